@@ -42,7 +42,9 @@ class OpenSocket {
     if (error == EINPROGRESS) {
       pollfd file{file_, POLLOUT, 0};
       socklen_t length = sizeof error;
-      if (poll(&file, 1, kConnect_ms) != 1)
+      int ready = 0;
+      while ((ready = poll(&file, 1, kConnect_ms)) < 0 && errno == EINTR) continue;
+      if (ready != 1)
         error = ETIMEDOUT;
       else
         (void)getsockopt(file_, SOL_SOCKET, SO_ERROR, &error, &length);

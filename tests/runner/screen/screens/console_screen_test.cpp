@@ -150,6 +150,9 @@ void begin(ScriptedTerminal& terminal, Screens& screens) {
   terminal.press_for(kEnter, "Instructions");
   terminal.press_for(" ", kReady);
   screens.check_sizes("ready", terminal);
+  // Narrow for a moment, in which the terminal cuts off what was drawn, and as wide as before when the program looks.
+  terminal.resize(24, 40);
+  draw_again(terminal, 24, 80);
 }
 
 void practise(ScriptedTerminal& terminal, Screens& screens) {
