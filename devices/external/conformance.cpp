@@ -86,8 +86,10 @@ class ConformanceTest {
   void check_stops() {
     const Probed stopped = probe_->present(request(hello_->quantities.front().min, 10), kStopAfter_s);
     const double limit_ms = 1000 * settings_.time_outs.stop_s;
-    add("stop ends a presentation", gone() ? why_lost() : "done after " + ms_text(stopped.stopped_ms),
-        fmt::format("within {:g} ms", limit_ms), !gone() && stopped.stopped_ms <= limit_ms);
+    const bool by_stop = stopped.voided && stopped.voided->failure == RigFailure::stopped;
+    const std::string ended = by_stop ? "done after " + ms_text(stopped.stopped_ms) : outcome_text(stopped);
+    add("stop ends a presentation", gone() ? why_lost() : ended, fmt::format("within {:g} ms", limit_ms),
+        !gone() && by_stop && stopped.stopped_ms <= limit_ms);
     if (gone()) return;
     RenderRequest free = request(hello_->quantities.front().min, 0);
     free.exploration = {.ends = RigExplorationEnd::stop};
