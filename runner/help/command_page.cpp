@@ -13,8 +13,7 @@ namespace jnd {
 
 namespace {
 
-// What an option of that name takes; with the command before it, in that command alone. Each one
-// that takes text is here.
+// What an option of that name takes; with the command before it, in that command alone. Each one that takes text is here.
 constexpr auto kValues = std::to_array<std::pair<std::string_view, std::string_view>>({
     {"--accept-gap", "REASON"},
     {"--account", "NAME"},

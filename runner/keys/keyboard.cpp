@@ -154,9 +154,9 @@ void Keyboard::stop_with(EmergencyStop* stop) {
 
 std::optional<Key> Keyboard::press(double timeout_s) {
   if (!terminal_) return press_from_pipe(timeout_s);
-  if (const int now = terminal_continuations(); now != continuations_) {
-    continuations_ = now;
-    raw(true);  // the shell has had the terminal in between
+  if (const int now = terminal_losses(); now != losses_) {
+    losses_ = now;
+    raw(true);  // the shell may have had the terminal in between
   }
   std::unique_lock lock(mutex_);
   changed_.wait_for(lock, std::chrono::duration<double>(timeout_s), [&] { return !keys_.empty() || at_end_; });

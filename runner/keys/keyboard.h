@@ -62,7 +62,7 @@ class Keyboard {
   std::optional<Key> press_from_pipe(double timeout_s);
 
   bool terminal_;
-  int continuations_ = 0;
+  int losses_ = 0;
   std::atomic<bool> at_end_{false};
   std::atomic<bool> typing_{false};
   bool broken_line_ = false;  // the rest of a line is still to come

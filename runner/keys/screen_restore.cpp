@@ -19,7 +19,7 @@ termios settings_of_shell;
 std::array<char, 255> leave_screen;
 std::atomic<int> length{0};
 std::atomic<bool> guarded{false};
-std::atomic<int> continuations{0};
+std::atomic<int> losses{0};
 static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free);
 std::terminate_handler terminate_before = nullptr;
 
@@ -33,8 +33,8 @@ void on_crash(int signal_number) {
   raise(signal_number);
 }
 
-void on_continue(int) {
-  ++continuations;
+void on_loss(int) {
+  ++losses;
 }
 
 [[noreturn]] void on_terminate() {
@@ -58,11 +58,11 @@ void install_once() noexcept {
   crash.sa_flags = static_cast<int>(SA_RESETHAND | SA_ONSTACK);
   sigemptyset(&crash.sa_mask);
   for (const int signal_number : kCrashes) sigaction(signal_number, &crash, nullptr);
-  struct sigaction go_on {};
-  go_on.sa_handler = on_continue;
-  go_on.sa_flags = SA_RESTART;
-  sigemptyset(&go_on.sa_mask);
-  sigaction(SIGCONT, &go_on, nullptr);
+  struct sigaction loss {};
+  loss.sa_handler = on_loss;
+  loss.sa_flags = SA_RESTART;
+  sigemptyset(&loss.sa_mask);
+  for (const int signal_number : {SIGCONT, SIGWINCH}) sigaction(signal_number, &loss, nullptr);
   terminate_before = std::set_terminate(on_terminate);
   std::atexit(restore_terminal);
 }
@@ -97,8 +97,8 @@ void restore_terminal() noexcept {
   errno = errno_before;
 }
 
-int terminal_continuations() noexcept {
-  return continuations;
+int terminal_losses() noexcept {
+  return losses;
 }
 
 }  // namespace jnd

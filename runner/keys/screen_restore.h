@@ -16,7 +16,8 @@ void forget_terminal() noexcept;
 void guard_screen(std::string_view leave) noexcept;
 // Writes that and sets the terminal's settings. Safe in a signal handler; does nothing where nothing is guarded.
 void restore_terminal() noexcept;
-// How often the program was stopped (SIGSTOP) and went on: the terminal then needs its settings and its screen anew.
-int terminal_continuations() noexcept;
+// How often the terminal may have lost its settings or what stood on it, and needs both anew: the program was stopped
+// (SIGSTOP) and went on, or the window was resized. It may have its old size again when it is looked at.
+int terminal_losses() noexcept;
 
 }  // namespace jnd

@@ -1,8 +1,6 @@
 #include "runner/screen/screen_painter.h"
 
-#include <atomic>
 #include <clocale>
-#include <csignal>
 #include <cstdint>
 #include <cstdlib>
 #include <string>
@@ -63,28 +61,11 @@ bool ScreenPainter::possible() {
   return able;
 }
 
-namespace {
-
-std::atomic<int> resizes{0};
-
-// Sizes are asked for. A window that was small for a moment may have its old size again by then, and has lost what stood
-// outside: that it was told so is counted.
-void count_resizes() {
-  struct sigaction resized {};
-  resized.sa_handler = [](int) { ++resizes; };
-  resized.sa_flags = SA_RESTART;
-  sigemptyset(&resized.sa_mask);
-  sigaction(SIGWINCH, &resized, nullptr);
-}
-
-}  // namespace
-
-ScreenPainter::ScreenPainter() : screen_(std::make_unique<Screen>()), continuations_(terminal_continuations()) {
+ScreenPainter::ScreenPainter() : screen_(std::make_unique<Screen>()), losses_(terminal_losses()) {
   std::setlocale(LC_CTYPE, "");
   unicode_ = std::string(nl_langinfo(CODESET)) == "UTF-8";
   screen_->screen = newterm(nullptr, stdout, stdin);
   if (screen_->screen == nullptr) return;
-  count_resizes();
   guard_screen(capability("sgr0") + capability("rmcup") + capability("cnorm"));
   nl();           // as the keyboard sets the terminal
   typeahead(-1);  // standard input is the keyboard's alone
@@ -102,7 +83,6 @@ ScreenPainter::ScreenPainter() : screen_(std::make_unique<Screen>()), continuati
 ScreenPainter::~ScreenPainter() {
   if (screen_->screen == nullptr) return;
   endwin();
-  std::signal(SIGWINCH, SIG_DFL);
   guard_screen("");
   delscreen(screen_->screen);
 }
@@ -123,13 +103,8 @@ bool ScreenPainter::changed() {
     resizeterm(size.ws_row, size.ws_col);
     changed = true;
   }
-  if (const int now = resizes; now != resizes_) {
-    resizes_ = now;
-    clearok(curscr, TRUE);
-    changed = true;
-  }
-  if (const int now = terminal_continuations(); now != continuations_) {
-    continuations_ = now;
+  if (const int now = terminal_losses(); now != losses_) {
+    losses_ = now;
     reset_prog_mode();
     clearok(curscr, TRUE);
     changed = true;

@@ -45,7 +45,7 @@ class ScreenPainter final : public Painter {
   struct Screen;  // ncurses' own
   std::unique_ptr<Screen> screen_;
   bool unicode_ = false, colours_ = false;
-  int continuations_ = 0, resizes_ = 0;
+  int losses_ = 0;
 };
 
 }  // namespace jnd
