@@ -43,7 +43,7 @@ download() { (cd "$cache/archives" && timeout 300 apt-get "${lists[@]}" download
 unpack() {
   local package=$1 folder=$2 part
   shift 2
-  [ -e "$folder/complete" ] && return
+  [ "$(cat "$folder/complete" 2>/dev/null)" = "$*" ] && return
   if ! download "$package"; then
     fresh_lists || skip "the package $package cannot be downloaded"
     download "$package" || skip "the package $package cannot be downloaded"
@@ -52,7 +52,7 @@ unpack() {
   dpkg-deb --fsys-tarfile "$cache/archives/${package}"_*.deb | tar -x -C "$part" --wildcards "$@" ||
     skip "the package $package does not hold what it should: $*"
   rm -f "$cache/archives/${package}"_*.deb
-  touch "$part/complete"
+  echo "$*" > "$part/complete"
   rm -rf "$folder"
   mv "$part" "$folder"
 }
@@ -63,7 +63,7 @@ if [ -z "$package" ]; then
   package=$(kernel_package)
 fi
 [ -n "$package" ] || skip "no kernel package is known: $metapackage is not in the package lists"
-wanted=('./boot/vmlinuz-*' '*/lib/modules/*/kernel/drivers/hid/*')  # /lib is in /usr from Debian 13 on
+wanted=('./boot/vmlinuz-*' '*/lib/modules/*/kernel/drivers/hid/*' '*/lib/modules/*/kernel/drivers/*/virtio*')  # /lib is in /usr from Debian 13 on
 [ "$flavour" = cloud ] || wanted+=('*/lib/modules/*/kernel/drivers/usb/*' '*/lib/modules/*/kernel/fs/configfs/*')
 unpack "$package" "$cache/$package" "${wanted[@]}"
 unpack busybox-static "$cache/busybox" '*/bin/busybox'

@@ -48,7 +48,7 @@ for folder in specs profiles objects; do files+=("$source_dir/devices/$folder=/u
 
 # run_guest NAME FLAVOUR SECONDS PART...: builds, boots, judges what came back.
 run_guest() {
-  local name=$1 flavour=$2 limit=$3 kernel modules="hid hid-generic uhid"
+  local name=$1 flavour=$2 limit=$3 kernel modules="hid hid-generic uhid virtio_pci virtio_blk"
   shift 3
   [ "$flavour" = full ] && modules="$modules usbhid libcomposite usb_f_hid dummy_hcd"
   kernel=$("$here/fetch.sh" "$flavour") || return $?
