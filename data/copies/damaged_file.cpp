@@ -16,6 +16,7 @@
 #include "analysis/numerics/stop_request.h"
 #include "data/files/descriptor.h"
 #include "data/files/draft.h"
+#include "data/files/study_image.h"
 #include "data/log/storage_error.h"
 #include "protocols/input/file_trouble.h"
 
@@ -24,7 +25,6 @@ namespace jnd {
 namespace {
 
 constexpr std::size_t kPiece = 4096;  // what a disk gives or does not give
-constexpr std::size_t kLogHeader = 32, kFrameHeader = 24;
 
 bool possible(std::size_t page_size) {
   return page_size >= 512 && page_size <= 65536 && (page_size & (page_size - 1)) == 0;

@@ -3,6 +3,7 @@
 #include <numeric>
 #include <utility>
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <sqlite3.h>
 #include <unistd.h>
@@ -55,11 +56,19 @@ bool same_ends(SQLite::Database& database, const std::map<std::string, ChainEnd>
   return count_events(database) == length_of(ends) - gaps;
 }
 
+void write_image(const StudyImage& image, const NewFile& file) {
+  const int made = ::open(file.made().c_str(), O_WRONLY | O_CLOEXEC);
+  const int error = made < 0 ? errno : image.write_to(made);
+  if (made >= 0) ::close(made);
+  if (error != 0) throw cannot_write(file.path(), error);
+}
+
 }  // namespace
 
 void Study::Impl::begin_writing() {
   jnd::begin_writing(*connection);
   connection->exec(kCache);
+  connection->exec("PRAGMA wal_autocheckpoint = 0");   // shorten_log() does it
   gaps = length_of(ends) - count_events(*connection);  // opens the log, too
   // One that a killed program left goes into the file: its pages are not in the memory that makes good a log cut off.
   // Where a reader is in the way it stays.
@@ -71,6 +80,7 @@ void Study::Impl::begin_writing() {
   synchronous_normal = false;
   disk_failed = false;
   if (was_normal) set_durability(SessionKind::simulated);
+  if (people) files->keep_image();
 }
 
 void Study::Impl::require_in_place() {
@@ -93,11 +103,11 @@ void Study::Impl::require_in_place() {
   throw to_try_again(what_happened);
 }
 
-void Study::Impl::confirm_written() {
-  if (!files) return;
+bool Study::Impl::confirm_written() {
+  if (!files) return false;
   const StudyFiles::State state = files->look(*connection);
-  // What cannot be looked at just now is told before the next event.
-  if (state == StudyFiles::State::in_place || state == StudyFiles::State::unseen) return;
+  if (state == StudyFiles::State::in_place) return true;
+  if (state == StudyFiles::State::unseen) return false;  // which is told before the next event
   try {
     untold = rescue(state,
                     "This event and all before it are saved in what was taken away, but could not be put into another "
@@ -105,11 +115,12 @@ void Study::Impl::confirm_written() {
   } catch (const StorageTrouble& trouble) {
     throw StorageError(trouble.what());  // the event is written: it must not be added once more
   }
+  return true;
 }
 
 std::string Study::Impl::rescue(StudyFiles::State state, const char* fate) {
-  // What a cut log holds now must not come into the file, also where this fails and is given up.
-  if (state == StudyFiles::State::log_cut)
+  // Of what was damaged nothing must come into the file, also where this fails and is given up.
+  if (state == StudyFiles::State::log_cut || state == StudyFiles::State::file_cut)
     sqlite3_db_config(connection->getHandle(), SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
   const std::string what = fmt::format("While the session was writing to the study, {}", files->in_words(state));
   const auto hopeless = [&](const std::string& why) {
@@ -122,7 +133,10 @@ std::string Study::Impl::rescue(StudyFiles::State state, const char* fate) {
   const fs::path to = free_name_beside(place);
   try {
     NewFile file(to);
-    copy_into(file, *connection, path);
+    if (state == StudyFiles::State::file_cut && files->image() != nullptr)
+      write_image(*files->image(), file);
+    else
+      copy_into(file, *connection, path);
     BackupReport copy;
     try {
       copy = finish_copy(file);
@@ -158,7 +172,7 @@ std::string Study::Impl::rescue(StudyFiles::State state, const char* fate) {
   forget_statements();
   const bool in_study = files->leave(connection, state);
   back = in_study && (state == StudyFiles::State::log_removed || state == StudyFiles::State::log_replaced);
-  former = std::make_unique<Former>(Former{path, std::move(lock)});
+  if (state != StudyFiles::State::file_cut) former = std::make_unique<Former>(Former{path, std::move(lock)});
   path = to;
   lock = std::move(rescued_lock);
   connection = std::move(rescued);

@@ -23,16 +23,10 @@ namespace fs = std::filesystem;
 
 // The header of the log's index, https://sqlite.org/walformat.html, section 2.1: in this machine's byte order, but for
 // the salts, which are as they stand in the log.
-constexpr std::size_t kIndexHeader = 48, kPageSizeAt = 14, kFramesAt = 16, kIndexSaltAt = 32, kSalt = 8;
+constexpr std::size_t kIndexHeader = 48, kPageSizeAt = 14, kFramesAt = 16, kPagesAt = 20, kIndexSaltAt = 32;
 constexpr int kIndexRegion = 32768;
-// Of the log itself, https://sqlite.org/fileformat2.html, section 4.1.
-constexpr std::size_t kLogHeader = 32, kFrameHeader = 24, kLogSaltAt = 16;
-
-struct LogIndex {
-  std::uint32_t frames = 0;  // that the log must hold
-  std::size_t page_size = 0;
-  std::array<char, kSalt> salt{};
-};
+// Two changes of a file within a tick of the kernel's clock may have one time.
+constexpr std::int64_t kTick_ns = 20'000'000;
 
 template <typename Number>
 Number number_at(const char* bytes) {
@@ -48,8 +42,8 @@ sqlite3_file* open_file(SQLite::Database& connection, int which) {
   return file != nullptr && file->pMethods != nullptr ? file : nullptr;
 }
 
-// As this connection has it mapped; no frames where there is none, or while another program changes it.
-LogIndex index_of(SQLite::Database& connection) {
+// As this connection has it mapped; none where there is none, or while another program changes it.
+std::optional<LogIndex> index_of(SQLite::Database& connection) {
   sqlite3_file* file = open_file(connection, SQLITE_FCNTL_FILE_POINTER);
   // Without an open log SQLite has no index, and would never let go of one that we mapped.
   if (file == nullptr || file->pMethods->iVersion < 2 || !open_file(connection, SQLITE_FCNTL_JOURNAL_POINTER))
@@ -63,7 +57,8 @@ LogIndex index_of(SQLite::Database& connection) {
   index.frames = number_at<std::uint32_t>(header.data() + kFramesAt);
   const auto page_size = number_at<std::uint16_t>(header.data() + kPageSizeAt);
   index.page_size = page_size == 1 ? 65536 : page_size;
-  std::memcpy(index.salt.data(), header.data() + kIndexSaltAt, kSalt);
+  index.pages = number_at<std::uint32_t>(header.data() + kPagesAt);
+  std::memcpy(index.salt.data(), header.data() + kIndexSaltAt, index.salt.size());
   return index;
 }
 
@@ -105,24 +100,55 @@ StudyFiles::State StudyFiles::look(SQLite::Database& connection) {
     return study == Named::none ? State::removed : State::replaced;
   }
   find_log();
+  const std::optional<LogIndex> index = index_of(connection);
   // After an error of the disk SQLite makes the log with the next event only: nothing can be missing before it.
-  if (log_ < 0) return index_of(connection).frames == 0 ? State::in_place : State::log_removed;
+  if (log_ < 0 && index && index->frames > 0) return State::log_removed;
+  const bool log_whole = log_is_whole(index);
+  if (image_ && index && log_whole && !image_->add(log_, *index)) return State::log_cut;
+  if (!file_is_whole(index.has_value())) return State::file_cut;
+  if (log_ < 0) return State::in_place;
   const Named log = named(log_place_, log_);
   if (log == Named::unseen) return unseen();
   if (log != Named::same) return log == Named::none ? State::log_removed : State::log_replaced;
-  return log_is_whole(connection) ? State::in_place : State::log_cut;
+  return log_whole ? State::in_place : State::log_cut;
 }
 
-bool StudyFiles::log_is_whole(SQLite::Database& connection) const {
-  const LogIndex index = index_of(connection);
-  if (index.frames == 0) return true;
+std::uint32_t StudyFiles::log_length(SQLite::Database& connection) {
+  const std::optional<LogIndex> index = index_of(connection);
+  return index ? index->frames : 0;
+}
+
+bool StudyFiles::file_is_whole(bool index_known) {
+  struct stat now {
+  }, after{};
+  timespec clock{};
+  ::clock_gettime(CLOCK_REALTIME_COARSE, &clock);
+  if (::fstat(study_, &now) != 0) return false;
+  const auto same_time = [](const timespec& one, const timespec& other) {
+    return one.tv_sec == other.tv_sec && one.tv_nsec == other.tv_nsec;
+  };
+  const auto unchanged = [&](const struct stat& one, const struct stat& other) {
+    return one.st_size == other.st_size && same_time(one.st_mtim, other.st_mtim) &&
+           same_time(one.st_ctim, other.st_ctim);
+  };
+  if (settled_ && unchanged(now, seen_)) return true;
+  if (!index_known) return true;  // another program is at it: seen at the next look
+  if (now.st_size < seen_.st_size || (image_ && !image_->explains(log_))) return false;
+  seen_ = now;
+  settled_ = ::fstat(study_, &after) == 0 && unchanged(now, after) &&
+             (clock.tv_sec - now.st_ctim.tv_sec) * 1'000'000'000 + clock.tv_nsec - now.st_ctim.tv_nsec > kTick_ns;
+  return true;
+}
+
+bool StudyFiles::log_is_whole(const std::optional<LogIndex>& index) const {
+  if (!index || index->frames == 0) return true;
   struct stat status {};
   std::array<char, kLogHeader> header{};
   return ::fstat(log_, &status) == 0 &&
          static_cast<std::uint64_t>(status.st_size) >=
-             kLogHeader + std::uint64_t{index.frames} * (kFrameHeader + index.page_size) &&
+             kLogHeader + std::uint64_t{index->frames} * (kFrameHeader + index->page_size) &&
          ::pread(log_, header.data(), header.size(), 0) == static_cast<ssize_t>(header.size()) &&
-         std::memcmp(header.data() + kLogSaltAt, index.salt.data(), kSalt) == 0;
+         std::memcmp(header.data() + kLogSaltAt, index->salt.data(), index->salt.size()) == 0;
 }
 
 fs::path StudyFiles::whereabouts() const {
@@ -145,6 +171,8 @@ std::string StudyFiles::in_words(State state) const {
       return fmt::format("{} was renamed or moved to {}", study, whereabouts().string());
     case State::replaced:
       return fmt::format("another file was put in the place of {}", study);
+    case State::file_cut:
+      return fmt::format("{} was cut off or written over", study);
     case State::log_removed:
       return fmt::format("{}, the log that belongs to the study, was removed", log);
     case State::log_replaced:
@@ -160,8 +188,8 @@ std::string StudyFiles::in_words(State state) const {
 
 bool StudyFiles::leave(std::unique_ptr<SQLite::Database>& connection, State state) const {
   sqlite3* handle = connection->getHandle();
-  if (state == State::log_cut) {
-    // What the log holds now must not come into the file.
+  if (state == State::log_cut || state == State::file_cut) {
+    // Nothing of a damaged log must come into the file, and nothing at all into a damaged one.
     sqlite3_db_config(handle, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
     connection.reset();
     return false;

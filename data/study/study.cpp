@@ -223,7 +223,7 @@ class StudyLog final : public SessionLog {
     const std::string text = body_text(body);
     const std::scoped_lock lock(study_.mutex);
     require_open();
-    study_.write([&] { study_.append_mark(session_, kind, text, stamp); });
+    study_.write([&] { study_.append_mark(session_, kind, text, stamp); }, true);
   }
 
   std::vector<Event> events() const override {
@@ -423,12 +423,8 @@ void Study::Impl::read_ends() {
 namespace {
 
 // Checkpoints cost two flushes each; without people waiting they may come every 32 MB instead of every 4.
-constexpr int kCheckpointPagesSimulated = 8000;
-constexpr int kCheckpointPages = 1000;
-
-int checkpoint_pages(bool people) noexcept {
-  return people ? kCheckpointPages : kCheckpointPagesSimulated;
-}
+constexpr std::uint32_t kCheckpointPagesSimulated = 8000;
+constexpr std::uint32_t kCheckpointPages = 1000;
 
 }  // namespace
 
@@ -441,26 +437,26 @@ void Study::Impl::synchronize(bool full) {
 void Study::Impl::set_durability(SessionKind kind) {
   people = people || kind != SessionKind::simulated;
   synchronize(people);
-  sqlite3_wal_autocheckpoint(database().getHandle(), checkpoint_pages(people));
+  if (people && files && files->image() == nullptr) files->keep_image();
 }
 
-// A mark may go with a power cut. No checkpoint comes with it: that would flush, and a flush that fails unseen would
-// leave a hole in the write-ahead log before the answers that follow.
+// SQLite itself would do it within the commit, before anybody has looked whether the study is whole. Where it fails the
+// log stays, and nothing is lost.
+void Study::Impl::shorten_log() {
+  if (StudyFiles::log_length(database()) >= (people ? kCheckpointPages : kCheckpointPagesSimulated))
+    sqlite3_wal_checkpoint_v2(database().getHandle(), "main", SQLITE_CHECKPOINT_PASSIVE, nullptr, nullptr);
+}
+
+// A mark may go with a power cut.
 void Study::Impl::append_mark(const std::string& session, std::string_view kind, const std::string& body, Stamp stamp) {
-  sqlite3* handle = database().getHandle();
-  const auto restore = [&] {
-    sqlite3_wal_autocheckpoint(handle, checkpoint_pages(people));
-    synchronize(people);
-  };
   synchronize(false);
-  sqlite3_wal_autocheckpoint(handle, 0);
   try {
     append(session, kind, body, stamp);
   } catch (...) {
-    restore();
+    synchronize(people);
     throw;
   }
-  restore();
+  synchronize(people);
 }
 
 void Study::Impl::add_study_event(std::string_view kind, const std::string& body, Stamp stamp) {

@@ -80,9 +80,11 @@ struct Study::Impl {
   // Runs what adds events, in a transaction of its own or in autocommit. Where it fails for a reason that may pass
   // (StorageTrouble: full, an error of the disk, another program's lock) nothing was written, no transaction is open,
   // and it can be run again. The study is looked for before and after: what returns is in a file that can be found.
-  // `ends` must be put back by the caller where it was changed and nothing was committed.
+  // `ends` must be put back by the caller where it was changed and nothing was committed. What is in the log goes into
+  // the study where there is much of it; not after a mark, because that would flush, and a flush that fails unseen would
+  // leave a hole in the log before the answers that follow.
   template <typename Action>
-  void write(Action&& action);
+  void write(Action&& action, bool mark = false);
   // Within write(): one event, committed unless a transaction is open.
   void append(const std::string& session, std::string_view kind, const std::string& body, Stamp stamp);
   // In one transaction with the event's telemetry.
@@ -93,6 +95,7 @@ struct Study::Impl {
   void add_study_event(std::string_view kind, const std::string& body, Stamp stamp);
   void set_durability(SessionKind kind);
   void synchronize(bool full);
+  void shorten_log();
   std::vector<Event> events(const std::string& session) const;
   std::vector<TelemetryBlob> telemetry(const std::string& session, std::int64_t seq) const;
   std::vector<SessionInfo> sessions() const;
@@ -106,7 +109,8 @@ struct Study::Impl {
   // Throws StorageTrouble, once for each rescue, where the study or its log is not in its place; the next time it goes
   // on: in the study's own file where that is back as it was, else in the new one.
   void require_in_place();
-  void confirm_written();
+  // Whether the study is in its place, or else was rescued.
+  bool confirm_written();
   // Copies everything into a new file beside the study, verifies it (not where the program was asked to end meanwhile),
   // and goes over to it. Returns what happened, in words; throws StorageTrouble where it cannot be done, with what that
   // means for the event that is added just now.
@@ -115,12 +119,12 @@ struct Study::Impl {
 };
 
 template <typename Action>
-void Study::Impl::write(Action&& action) {
+void Study::Impl::write(Action&& action, bool mark) {
   try {
     require_in_place();
     recover_from_disk_failure();
     action();
-    confirm_written();
+    if (confirm_written() && !mark) shorten_log();
     write_failed = false;
   } catch (const SQLite::Exception& error) {
     const int system_error = errno;  // before the tidying calls the system again

@@ -2,6 +2,7 @@
 // whatever names a study has.
 #include <functional>
 
+#include <fcntl.h>
 #include <sqlite3.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -31,6 +32,12 @@ struct Running {
   std::size_t events() const { return log->events().size(); }
 };
 
+void write_over(const fs::path& path, off_t place, const std::string& bytes) {
+  const int file = ::open(path.c_str(), O_WRONLY);
+  CHECK(::pwrite(file, bytes.data(), bytes.size(), place) == static_cast<ssize_t>(bytes.size()));
+  ::close(file);
+}
+
 std::size_t events_in(const fs::path& path) {
   const auto study = Study::open(path, Study::Access::read_only);
   CHECK(verify(*study).problems == std::vector<Problem>{});
@@ -51,6 +58,14 @@ TEST_CASE("a session whose file is taken away stops, is rescued, and goes on in 
          fs::rename(path.string() + ".tmp", path);
        }},
       {"was cut off", [](const fs::path& path) { fs::resize_file(path.string() + "-wal", 0); }},
+      {"was cut off or written over", [](const fs::path& path) { fs::resize_file(path, 0); }},
+      {"was cut off or written over", [](const fs::path& path) { fs::resize_file(path, 4096); }},
+      {"was cut off or written over", [](const fs::path& path) { write_over(path, 0, std::string(100, '\0')); }},
+      {"was cut off or written over", [](const fs::path& path) { write_over(path, 4096, std::string(4096, '\xA5')); }},
+      {"was cut off or written over",
+       [](const fs::path& path) { write_over(path, 0, std::string(fs::file_size(path), '\xA5')); }},
+      {"was cut off or written over",
+       [](const fs::path& path) { write_over(path, static_cast<off_t>(fs::file_size(path)), "grown"); }},
   };
   for (const Case& one : cases) {
     CAPTURE(one.words);
@@ -71,6 +86,42 @@ TEST_CASE("a session whose file is taken away stops, is rescued, and goes on in 
     CHECK(events_in(running.rescued) == 6);
     CHECK_FALSE(fs::exists(running.rescued.string() + "-wal"));
   }
+}
+
+TEST_CASE("what any program's checkpoint puts into a study is no damage", "[data]") {
+  const Running running;
+  const auto note = [&](int size) {
+    running.log->append(event_kind::kNote, {{"text", std::string(static_cast<std::size_t>(size), 'x')}}, kLater);
+  };
+  SQLite::Database other(running.path.string(), SQLite::OPEN_READWRITE);
+  for (const char* how : {"PASSIVE", "FULL", "RESTART", "TRUNCATE"}) {
+    note(100'000);
+    note(10);
+    SQLite::Statement(other, std::string("PRAGMA wal_checkpoint(") + how + ")").executeStep();
+    note(10);
+  }
+  for (int i = 0; i < 80; ++i) note(100'000);  // several of this program's own
+  CHECK(fs::file_size(running.path) > 4'000'000);
+  CHECK(fs::file_size(running.path.string() + "-wal") < 8'000'000);
+  running.study->close();
+  CHECK(running.study->path() == running.path);
+}
+
+TEST_CASE("the sessions before are rescued too, and what was put into the file since", "[data]") {
+  const TemporaryFolder folder;
+  const fs::path path = folder / "study.jnd", rescued = folder / "study-rescued.jnd";
+  const auto study = new_study(path);
+  study->open_session(new_session(1));
+  study->close_session("P01-simulated", kLater);
+  const auto log = study->open_session(new_session(1, SessionKind::pilot));
+  const auto note = [&] { log->append(event_kind::kNote, {{"text", std::string(100'000, 'x')}}, kLater); };
+  for (int i = 0; i < 100; ++i) note();
+  fs::resize_file(path, 0);
+  CHECK_THROWS_WITH(study->close(), Catch::Contains(rescued.string()));
+  const auto found = Study::open(rescued, Study::Access::read_only);
+  CHECK(found->events("P01-pilot").size() == 101);
+  CHECK(found->sessions().size() == 2);
+  CHECK(verify(*found).problems == std::vector<Problem>{});
 }
 
 TEST_CASE("a study that is put back is gone on with, and the rescued copy goes", "[data]") {
