@@ -8,6 +8,7 @@
 #include "data/copies/backup.h"
 #include "data/log/storage_error.h"
 #include "data/study/study.h"
+#include "data/study/study_lock.h"
 
 namespace jnd {
 
@@ -36,7 +37,7 @@ fs::path rescued_name(const fs::path& study, int n) {
 void refuse_rescued(const fs::path& study) {
   std::unique_ptr<Study> opened;
   for (int n = 1; n <= kMostCopies; ++n) {
-    const fs::path copy = rescued_name(study, n);
+    const fs::path copy = rescued_name(real_place(study), n);
     std::error_code ignored;
     if (!fs::exists(copy, ignored)) continue;
     if (!opened) opened = readable(study);

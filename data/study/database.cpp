@@ -199,8 +199,9 @@ bool is_own(const fs::path& path, const fs::path& beside, SQLite::Database& both
   return false;
 }
 
-// SQLite plays a rollback journal back before it reads anything. It is tried on a copy.
-void refuse_foreign_journal(const fs::path& path, bool writable, SchemaSteps steps) {
+// SQLite plays a rollback journal back before it reads anything, into the study also for a reader. It is tried on a
+// copy.
+void refuse_foreign_journal(const fs::path& path, SchemaSteps steps) {
   const fs::path place = real_place(path), journal = place.string() + "-journal";
   if (std::ifstream file(journal, std::ios::binary); file.get() <= 0) return;  // none, or one that is over
   const Draft copy(place, Draft::What::file);
@@ -210,7 +211,7 @@ void refuse_foreign_journal(const fs::path& path, bool writable, SchemaSteps ste
   };
   copied(place, copy.path());
   copied(journal, copy.path().string() + "-journal");
-  is_own(path, journal, *opened(copy.path().string(), SQLite::OPEN_READWRITE), writable, steps);
+  is_own(path, journal, *opened(copy.path().string(), SQLite::OPEN_READWRITE), true, steps);
 }
 
 // Until a log is known to be the study's, closing the study must not put it into the file.
@@ -255,7 +256,7 @@ std::unique_ptr<SQLite::Database> open_database(const fs::path& path, bool writa
   // Who writes to it has looked at what lies beside it.
   const bool looks = writable || !in_use(path, true);
   return with_storage_errors(path, [&] {
-    if (looks && may_write) refuse_foreign_journal(path, writable, steps);
+    if (looks && may_write) refuse_foreign_journal(path, steps);
     auto database = opened(fs::absolute(path).string(), may_write ? SQLite::OPEN_READWRITE : SQLite::OPEN_READONLY);
     if (!writable) end_reading_when_asked(*database);
     const fs::path log = real_place(path).string() + "-wal";
