@@ -67,7 +67,7 @@ bool holds_all_of(const Study& study, const std::vector<Event>& own, const std::
                      [&](const SessionInfo& session) { return has_event(study.events(session.id), session.head); });
 }
 
-enum class Earlier { of_this_study, further, foreign };
+}  // namespace
 
 Earlier judge(const Study& study, const fs::path& to) {
   std::vector<Event> own;
@@ -84,6 +84,8 @@ Earlier judge(const Study& study, const fs::path& to) {
   }
   return holds_all_of(study, own, sessions) ? Earlier::of_this_study : Earlier::further;
 }
+
+namespace {
 
 // A backup takes the place of an earlier one only, and of none that has something which this study lacks: that is no
 // backup, but a study that sessions went on in.

@@ -31,6 +31,10 @@ struct BackupReport {
 BackupReport back_up(const Study& study, const std::filesystem::path& to, bool replace,
                      const std::function<bool()>& stop = {});
 
+// What another file is to a study: holds nothing that the study lacks; has further events; is of another study, or none.
+enum class Earlier { of_this_study, further, foreign };
+Earlier judge(const Study& study, const std::filesystem::path& to);
+
 // The two halves of it. The pages of an open connection to the study at `path`, as of one instant; false where `stop`
 // came. Then the verification, and the name where it finds nothing (may_go: see NewFile::publish). Throw StorageError.
 bool copy_into(NewFile& file, SQLite::Database& source, const std::filesystem::path& path,

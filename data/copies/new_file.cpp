@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "data/files/left_beside.h"
 #include "data/log/storage_error.h"
 
 namespace jnd {
@@ -14,10 +15,6 @@ namespace jnd {
 namespace {
 
 namespace fs = std::filesystem;
-
-fs::path beside(const fs::path& path, const char* suffix) {
-  return path.string() + suffix;
-}
 
 StorageError taken(const fs::path& path) {
   return StorageError(fmt::format("{}: exists already; it was not changed", path.string()));
@@ -37,7 +34,7 @@ void refuse_beside(const fs::path& source, const fs::path& to) {
   std::error_code ignored;  // of names that nothing has
   if (fs::equivalent(source, to, ignored))
     throw StorageError(fmt::format("{}: is the study itself; choose another name for the new file", to.string()));
-  if (fs::equivalent(source, beside(to, ".lock"), ignored))
+  if (fs::equivalent(source, to.string() + ".lock", ignored))
     throw StorageError(fmt::format("{}: would overwrite {}, which it is to be made from; choose another name",
                                    to.string(), source.string()));
 }
@@ -47,17 +44,10 @@ NewFile::NewFile(const fs::path& path, bool replace)
 
 const fs::path& NewFile::allowed_path() const {
   const fs::file_status status = fs::symlink_status(path_);
-  if (!fs::exists(status)) return path_;
-  if (!replace_) throw taken(path_);
-  if (!fs::is_regular_file(status))
+  if (fs::exists(status) && !replace_) throw taken(path_);
+  if (fs::exists(status) && !fs::is_regular_file(status))
     throw StorageError(fmt::format("{}: is not a file and cannot be replaced", path_.string()));
-  // SQLite would play the old file's log into the new one.
-  for (const char* suffix : {"-wal", "-journal"})
-    if (fs::exists(beside(path_, suffix)))
-      throw StorageError(
-          fmt::format("{}: is open in a program, or was left by one that was killed ({} lies beside it); close that "
-                      "program, run jnd verify on the file, and try again",
-                      path_.string(), beside(path_, suffix).string()));
+  refuse_left_beside(path_);
   return path_;
 }
 

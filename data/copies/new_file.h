@@ -17,7 +17,8 @@ void refuse_beside(const std::filesystem::path& source, const std::filesystem::p
 // never replaced. Without publish() nothing of it stays.
 class NewFile {
  public:
-  // Throws StorageError: the file exists (unless replace), is in use, or its folder cannot be written.
+  // Throws StorageError: the file exists (unless replace), is in use, has something of SQLite's beside its name, or its
+  // folder cannot be written.
   explicit NewFile(const std::filesystem::path& path, bool replace = false);
   NewFile(const NewFile&) = delete;
   NewFile& operator=(const NewFile&) = delete;

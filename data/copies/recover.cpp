@@ -178,6 +178,8 @@ class Recovery {
     report_.events_added = signs.events_added;
   }
 
+  void doubt(std::string why) { report_.doubts.push_back(std::move(why)); }
+
   RecoveryReport write(const fs::path& to, const std::optional<fs::path>& protocol, std::int64_t unreadable,
                        Stamp stamp) {
     report_.unreadable = unreadable;
@@ -444,9 +446,12 @@ RecoveryReport recover(const fs::path& damaged, const fs::path& to, const std::o
   const fs::path folder = folder_of(to);
   const PrivateCopy file(damaged, folder), log(damaged.string() + "-wal", folder);
   refuse_before_release(damaged, file.bytes());
-  const Salvage salvage(file.bytes(), log.bytes());
-  Recovery recovery(damaged, salvage);
-  recovery.compare_with(file.bytes(), log.bytes());
+  std::optional<Salvage> salvage(std::in_place, file.bytes(), log.bytes());
+  const bool foreign = salvage->is_mixed();
+  if (foreign) salvage.emplace(file.bytes(), Bytes());
+  Recovery recovery(damaged, *salvage);
+  recovery.compare_with(file.bytes(), foreign ? Bytes() : log.bytes());
+  if (foreign) recovery.doubt("the log (-wal) beside the file belongs to another study and was left out");
   return recovery.write(to, protocol, file.unreadable() + log.unreadable(), stamp);
 }
 

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <functional>
+#include <set>
 #include <utility>
 
 #include "data/log/chain.h"
 #include "data/log/utc_time.h"
+#include "data/study/schema.h"
 #include "protocols/input/sha256.h"
 
 namespace jnd {
@@ -88,6 +90,17 @@ SalvagedChain Salvage::chain(const std::string& session) const {
   for (auto next = found->second.upper_bound(end); next != found->second.end(); ++next)
     chain.unchained.push_back(next->second.back().place);
   return chain;
+}
+
+bool Salvage::is_mixed() const {
+  std::set<std::string> hashes;  // of first events
+  const auto own = events_.find(kStudyChain);
+  if (own == events_.end() || !own->second.contains(1)) return false;
+  for (const Candidate& candidate : own->second.at(1)) {
+    const StoredEvent stored = event(candidate.place);
+    if (event_hash({}, stored.event, stored.utc) == stored.event.hash) hashes.insert(stored.event.hash);
+  }
+  return hashes.size() > 1;
 }
 
 // A write that was taken back may have left another event in the place of one: what has more behind it is the one that

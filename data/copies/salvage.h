@@ -27,6 +27,8 @@ class Salvage {
 
   std::vector<std::string> sessions() const;  // all chains, the study's own too
   SalvagedChain chain(const std::string& session) const;
+  // Whether there are events of more than one study: the log belongs to another one.
+  bool is_mixed() const;
   // What lies at a place, as it is stored.
   StoredEvent event(const RowPlace& place) const;
   // The blob that an event's body names; none where none with its SHA-256 was found.

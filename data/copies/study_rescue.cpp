@@ -10,7 +10,9 @@
 
 #include "analysis/numerics/stop_request.h"
 #include "data/copies/backup.h"
+#include "data/copies/rescued_copy.h"
 #include "data/files/descriptor.h"
+#include "data/files/left_beside.h"
 #include "data/study/study_impl.h"
 
 namespace jnd {
@@ -23,14 +25,12 @@ namespace fs = std::filesystem;
 // than a log grows to before it is put into the file.
 constexpr const char* kCache = "PRAGMA cache_size = -65536";  // kB, taken as it is needed
 
-// "study-rescued.sqlite", or the next of its kind that is free.
+// The first that is free.
 fs::path free_name_beside(const fs::path& study) {
   for (int n = 1;; ++n) {
-    fs::path name =
-        study.parent_path() /
-        (study.stem().string() + (n == 1 ? "-rescued" : fmt::format("-rescued-{}", n)) + study.extension().string());
+    fs::path name = rescued_name(study, n);
     std::error_code ignored;
-    if (!fs::exists(fs::symlink_status(name, ignored))) return name;
+    if (!fs::exists(fs::symlink_status(name, ignored)) && !left_beside(name)) return name;
   }
 }
 

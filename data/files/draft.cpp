@@ -17,6 +17,7 @@
 #include <unistd.h>
 
 #include "data/files/descriptor.h"
+#include "data/files/left_beside.h"
 #include "protocols/input/file_trouble.h"
 #include "protocols/input/utf8.h"
 
@@ -107,7 +108,7 @@ void remove_draft(const fs::path& path) noexcept {
     fs::remove_all(path, ignored);
     return;
   }
-  for (const char* suffix : {"-journal", "-wal", "-shm"}) ::unlink((path.string() + suffix).c_str());
+  for (const char* suffix : kBesideDatabase) ::unlink((path.string() + suffix).c_str());
   ::unlink(path.c_str());  // last: clear_drafts() finds the others by it
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cerrno>
 #include <fstream>
 #include <string_view>
@@ -14,7 +15,9 @@
 
 #include "analysis/numerics/stop_request.h"
 #include "data/files/draft.h"
+#include "data/study/continuation.h"
 #include "data/study/schema_check.h"
+#include "data/study/study_lock.h"
 #include "protocols/input/file_trouble.h"
 
 namespace jnd {
@@ -24,6 +27,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kBusyTimeout_ms = 5000;
+constexpr const char* kQuickCheck = "quick_check(1)";
 constexpr int kStepsBetweenLooks = 10'000;  // of SQLite's virtual machine: well below a millisecond
 
 void refuse_other_files(const fs::path& path) {
@@ -99,22 +103,14 @@ FileTrouble trouble_of(const fs::path& path, const SQLite::Exception& error, int
   }
 }
 
-// What SQLite finds; "ok" where that is nothing.
-std::string damage_in(SQLite::Database& database) {
-  try {
-    SQLite::Statement check(database, "PRAGMA quick_check(1)");
-    return check.executeStep() ? check.getColumn(0).getString() : "ok";
-  } catch (const SQLite::Exception& error) {
-    if (primary_code(error) != SQLITE_ERROR) throw;
-    return "an event in it is not what was written";  // it looks into events for their columns: "malformed JSON"
-  }
+StorageError damaged(const fs::path& path, const std::string& how) {
+  return StorageError(
+      fmt::format("{}: is damaged ({}); it was not changed. Go on with a copy or a backup; jnd verify says more",
+                  path.string(), how));
 }
 
 void refuse_damage(const fs::path& path, SQLite::Database& database) {
-  if (const std::string damage = damage_in(database); damage != "ok")
-    throw StorageError(
-        fmt::format("{}: is damaged ({}); it was not changed. Go on with a copy or a backup; jnd verify says more",
-                    path.string(), damage));
+  if (const std::string damage = damage_in(database, kQuickCheck); damage != "ok") throw damaged(path, damage);
 }
 
 void configure(SQLite::Database& database) {
@@ -131,7 +127,109 @@ void end_reading_when_asked(SQLite::Database& database) {
       database.getHandle(), kStepsBetweenLooks, [](void*) { return stop_requested() ? 1 : 0; }, nullptr);
 }
 
+// An absolute name: SQLite gives names such as ":memory:" a meaning of their own.
+std::unique_ptr<SQLite::Database> opened(const std::string& name, int flags) {
+  auto database = std::make_unique<SQLite::Database>(name, flags);
+  configure(*database);
+  database->exec("PRAGMA query_only = ON");
+  return database;
+}
+
+void refuse_no_study(const fs::path& path, SQLite::Database& database, bool writable, SchemaSteps steps) {
+  refuse_other_databases(path, database, static_cast<int>(steps.size()));
+  refuse_other_schema(path, database, writable, steps);
+}
+
+// The study without what lies beside it; null if it cannot be read so.
+std::unique_ptr<SQLite::Database> opened_alone(const fs::path& path, SchemaSteps steps) {
+  std::string name = "file://";
+  for (const char c : fs::absolute(path).string())
+    name += std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '/'
+                ? std::string(1, c)
+                : fmt::format("%{:02X}", static_cast<unsigned char>(c));
+  try {
+    auto alone = opened(name + "?immutable=1", SQLite::OPEN_READONLY | SQLite::OPEN_URI);
+    refuse_no_study(path, *alone, false, steps);
+    return alone;
+  } catch (const SQLite::Exception&) {
+    return nullptr;
+  } catch (const StorageError&) {
+    return nullptr;
+  }
+}
+
+bool is_damage(const SQLite::Exception& error) noexcept {
+  const int code = primary_code(error);
+  return code == SQLITE_CORRUPT || code == SQLITE_NOTADB || code == SQLITE_ERROR;
+}
+
+bool is_whole(SQLite::Database& database) {
+  try {
+    return damage_in(database, kQuickCheck) == "ok";
+  } catch (const SQLite::Exception& error) {
+    if (!is_damage(error)) throw;
+    return false;
+  }
+}
+
+// Whether `both`, the study with what lies beside it, is whole and goes on from the study. Throws StorageError if the
+// study is whole without it only, and, for a writer, if it is whole neither way.
+bool is_own(const fs::path& path, const fs::path& beside, SQLite::Database& both, bool writable, SchemaSteps steps) {
+  const std::unique_ptr<SQLite::Database> alone = opened_alone(path, steps);
+  std::string why;
+  try {
+    refuse_no_study(path, both, false, steps);
+    why = why_no_continuation(alone.get(), both);
+    if (why.empty()) why = damage_in(both, kQuickCheck);
+    if (why == "ok") return true;
+  } catch (const StorageError& error) {
+    if (!alone) throw;
+    why = error.what();
+  } catch (const SQLite::Exception& error) {
+    if (!is_damage(error)) throw;
+    why = error.what();
+  }
+  if (alone && is_whole(*alone))
+    throw StorageError(
+        fmt::format("{}: {}, which lies beside it, does not continue this study ({}); nothing was changed. It may hold "
+                    "answers of the study that had this name before: move this study to another name, put that one "
+                    "back and run jnd verify on it. Or move {} away, and keep it",
+                    path.string(), beside.string(), why, beside.filename().string()));
+  if (writable) throw damaged(path, why);
+  return false;
+}
+
+// SQLite plays a rollback journal back before it reads anything, into the study also for a reader. It is tried on a
+// copy.
+void refuse_foreign_journal(const fs::path& path, SchemaSteps steps) {
+  const fs::path place = real_place(path), journal = place.string() + "-journal";
+  if (std::ifstream file(journal, std::ios::binary); file.get() <= 0) return;  // none, or one that is over
+  const Draft copy(place, Draft::What::file);
+  const auto copied = [&](const fs::path& from, const fs::path& to) {
+    std::error_code error;
+    if (!fs::copy_file(from, to, fs::copy_options::overwrite_existing, error)) throw cannot_write(to, error.value());
+  };
+  copied(place, copy.path());
+  copied(journal, copy.path().string() + "-journal");
+  is_own(path, journal, *opened(copy.path().string(), SQLite::OPEN_READWRITE), true, steps);
+}
+
+// Until a log is known to be the study's, closing the study must not put it into the file.
+void keep_log_out(SQLite::Database& database, bool out) {
+  sqlite3_db_config(database.getHandle(), SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, out ? 1 : 0, nullptr);
+}
+
 }  // namespace
+
+std::string damage_in(SQLite::Database& database, const char* check) {
+  try {
+    SQLite::Statement query(database, fmt::format("PRAGMA {}", check));
+    return query.executeStep() ? query.getColumn(0).getString() : "ok";
+  } catch (const SQLite::Exception& error) {
+    if (primary_code(error) != SQLITE_ERROR) throw;
+    return "an event in it is not what was written";  // it looks into events for their columns: "malformed JSON"
+  }
+}
 
 std::unique_ptr<SQLite::Database> create_database(const fs::path& path) {
   // Before anything is in it: -wal and -shm take over its mode.
@@ -155,19 +253,23 @@ std::unique_ptr<SQLite::Database> open_database(const fs::path& path, bool writa
   const int obstacle = write_obstacle(path);
   const bool may_write = obstacle == 0 || obstacle == ENOSPC;  // which passes, and reading needs no room
   if (writable && !may_write) throw cannot_write(path, obstacle);
+  // Who writes to it has looked at what lies beside it.
+  const bool looks = writable || !in_use(path, true);
   return with_storage_errors(path, [&] {
-    // An absolute name: SQLite gives names such as ":memory:" a meaning of their own.
-    auto database = std::make_unique<SQLite::Database>(fs::absolute(path).string(),
-                                                       may_write ? SQLite::OPEN_READWRITE : SQLite::OPEN_READONLY);
-    configure(*database);
-    database->exec("PRAGMA query_only = ON");
-    refuse_other_databases(path, *database, newest);
-    refuse_other_schema(path, *database, writable, steps);
-    if (!writable) {
-      end_reading_when_asked(*database);
-      return database;
+    if (looks && may_write) refuse_foreign_journal(path, steps);
+    auto database = opened(fs::absolute(path).string(), may_write ? SQLite::OPEN_READWRITE : SQLite::OPEN_READONLY);
+    if (!writable) end_reading_when_asked(*database);
+    const fs::path log = real_place(path).string() + "-wal";
+    std::error_code none;
+    bool whole = false;  // is known to be
+    if (const auto size = fs::file_size(log, none); looks && !none && size > 0) {
+      keep_log_out(*database, true);
+      whole = is_own(path, log, *database, writable, steps);
+      keep_log_out(*database, !whole);
     }
-    refuse_damage(path, *database);
+    refuse_no_study(path, *database, writable, steps);
+    if (!writable) return database;
+    if (!whole) refuse_damage(path, *database);
     database->exec("PRAGMA query_only = OFF");
     const int version = pragma(*database, "user_version");
     if (version < newest) {
@@ -244,9 +346,7 @@ StorageError storage_error(const fs::path& path, const SQLite::Exception& error,
   switch (primary_code(error)) {
     case SQLITE_CORRUPT:
     case SQLITE_NOTADB:
-      return StorageError(
-          fmt::format("{}: is damaged ({}); it was not changed. Go on with a copy or a backup; jnd verify says more",
-                      where, error.what()));
+      return damaged(path, error.what());
     case SQLITE_BUSY:
     case SQLITE_LOCKED:
       return StorageError(

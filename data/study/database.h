@@ -18,10 +18,14 @@ namespace jnd {
 std::unique_ptr<SQLite::Database> create_database(const std::filesystem::path& path);
 
 // An existing study. Nothing is written before the file was found to be a whole study of the version that `steps` make,
-// or of an older one, with the tables, triggers and views of that version and no others. Opened for writing, an older
+// or of an older one, with the tables, triggers and views of that version and no others, and that a log or journal beside
+// it goes on from it. Opened for writing, an older
 // file becomes one of the newest version in one transaction; opened for reading it stays as it is. Throws StorageError.
 std::unique_ptr<SQLite::Database> open_database(const std::filesystem::path& path, bool writable,
                                                 SchemaSteps steps = schema_steps());
+
+// The first line that a check of SQLite's ("quick_check(1)") says; "ok" if it finds nothing. Throws SQLite::Exception.
+std::string damage_in(SQLite::Database& database, const char* check);
 
 // Why a file with the mark of the programs before the release (kApplicationIdBeforeRelease) is not read.
 StorageError written_before_release(const std::filesystem::path& path);

@@ -10,6 +10,7 @@
 #include <sqlite3.h>
 
 #include "data/files/draft.h"
+#include "data/files/left_beside.h"
 #include "data/log/chain.h"
 #include "data/log/event_body.h"
 #include "data/log/utc_time.h"
@@ -50,6 +51,7 @@ std::unique_ptr<Study> Study::create(const std::filesystem::path& path, const st
   impl->lock = std::make_unique<StudyLock>(path);
   if (std::filesystem::exists(path))
     throw StorageError(fmt::format("{}: exists already; it was not changed", path.string()));
+  refuse_left_beside(path);
   // Made under another name and renamed when whole: killed at any instant, there is a study or there is none.
   {
     Draft draft(path, Draft::What::file);

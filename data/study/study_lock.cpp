@@ -93,10 +93,11 @@ std::string open_elsewhere(int descriptor) {
   return fmt::format("{}", fmt::join(found, ", "));
 }
 
-bool in_use(const std::filesystem::path& study) {
+bool in_use(const std::filesystem::path& study, bool elsewhere) {
   const int descriptor = ::open((real_place(study).string() + ".lock").c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
   if (descriptor < 0) return false;
-  const bool free = ::flock(descriptor, LOCK_SH | LOCK_NB) == 0;
+  const bool free = ::flock(descriptor, LOCK_SH | LOCK_NB) == 0 ||
+                    (elsewhere && content_of(descriptor) == std::to_string(::getpid()));
   ::close(descriptor);
   return !free;
 }

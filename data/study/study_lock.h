@@ -13,8 +13,9 @@ std::filesystem::path real_place(const std::filesystem::path& path);
 // them; empty where there are none.
 std::string open_elsewhere(int descriptor);
 
-// Whether a process writes to this study just now. Leaves nothing behind and needs no right to write.
-bool in_use(const std::filesystem::path& study);
+// Whether a process writes to this study just now; elsewhere: another one than this. Leaves nothing behind and needs no
+// right to write.
+bool in_use(const std::filesystem::path& study, bool elsewhere = false);
 // Throws StorageError where one does.
 void refuse_in_use(const std::filesystem::path& study);
 

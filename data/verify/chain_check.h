@@ -26,8 +26,8 @@ struct ChainReport {
 void check_chains(SQLite::Database& database, const StudyFacts& facts, const std::function<void(const Event&)>& each,
                   ChainReport& report);
 
-// For analyses and exports, before they compute: what the chains are, where nothing is wrong with them, the protocol and the schema.
-// Throws BrokenChain with the first problem, in words that give nothing of the plan away, and StorageError. Grows
+// For analyses and exports, before they compute: what the chains are, where nothing is wrong with them, the protocol, the
+// schema, and the indexes that find events. Throws BrokenChain with the first problem, in words that give nothing of the plan away, and StorageError. Grows
 // linearly with the events.
 ChainReport require_whole_chains(const Study& study);
 

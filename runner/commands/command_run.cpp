@@ -194,7 +194,8 @@ SessionCard card_of(const Protocol& protocol, const RunOptions& options, const S
 SessionSummary summary_of(Study& study, const std::string& session, const RunOptions& options, const Plan& plan,
                           const Rig& rig, SessionEnd end, double run_s) {
   SessionSummary summary;
-  summary.study = options.study;
+  summary.study = study.path().string();
+  summary.moved = summary.study != options.study;
   summary.run_s = run_s;
   summary.resumable = end == SessionEnd::interrupted;
   summary.free_interaction = !plan.explorations.empty();
@@ -367,8 +368,12 @@ int command_run(const RunOptions& options) {
   if (end == SessionEnd::interrupted) {
     study->close();
     last_words((missing.empty() ? "" : tr("Missing: {}.", printable(missing)) + "\n") +
-               tr("Stopped. Every answer so far is saved in {}; the same command goes on at the next trial.",
-                  printable(study->path().string())) +
+               (study->path() == options.study
+                    ? tr("Stopped. Every answer so far is saved in {}; the same command goes on at the next trial.",
+                         printable(options.study))
+                    : tr("Stopped. Every answer so far is saved in {}; the same command with this file goes on at the "
+                         "next trial.",
+                         printable(study->path().string()))) +
                summary);
     return exit_code::kInterrupted;
   }

@@ -154,14 +154,14 @@ int command_simulate(const SimulateOptions& options) {
   simulation.seed = study->info().seed;
   const SimulationResult result = simulate_study(simulation, *study);
   study->close();
+  const std::string file = study->path().string();
   if (result.interrupted) {
-    fmt::print("Interrupted. Every answer so far is in {}; the same command goes on from here.\n",
-               printable(*options.study));
+    fmt::print("Interrupted. Every answer so far is in {}; the same command goes on from here.\n", printable(file));
     return exit_code::kInterrupted;
   }
   std::int64_t trials = 0;
   std::int64_t voided = 0;
-  for (const SessionInfo& session : Study::open(*options.study, Study::Access::read_only)->sessions()) {
+  for (const SessionInfo& session : Study::open(file, Study::Access::read_only)->sessions()) {
     if (session.kind != SessionKind::simulated || session.participant_number > options.participants) continue;
     trials += session.trials_done;
     voided += session.trials_voided;
@@ -170,11 +170,11 @@ int command_simulate(const SimulateOptions& options) {
   if (result.already_complete > 0)
     fmt::print("{} had finished before.\n",
                counted(result.already_complete, sessions == 1 ? "participant" : "session"));
-  fmt::print("{}: {}{}, profile {}, seed {}: {} {}, {} voided\n", printable(*options.study),
+  fmt::print("{}: {}{}, profile {}, seed {}: {} {}, {} voided\n", printable(file),
              counted(options.participants, "participant"),
              sessions == 1 ? "" : fmt::format(", {} sessions each", sessions), printable(profile.name), simulation.seed,
              trials, explores ? "explorations" : "trials", voided);
-  fmt::print("  next:  jnd analyze {}\n", printable(*options.study));
+  fmt::print("  next:  jnd analyze {}\n", printable(file));
   return exit_code::kDone;
 }
 

@@ -41,7 +41,9 @@ std::string summary_text(const SessionSummary& summary) {
                       tr("slowest answer {:.0f} of {:.0f} ms while it presented, {:.0f} of {:.0f} ms while it waited",
                          summary.slowest_presenting_ms, 1000 * RigTimeOuts{}.presenting_silent_s,
                          summary.slowest_waiting_ms, 1000 * RigTimeOuts{}.silent_s));
-  if (summary.resumable) rows.emplace_back(tr("next"), tr("the same command goes on with it"));
+  if (summary.resumable)
+    rows.emplace_back(tr("next"), summary.moved ? tr("the same command with --study {} goes on with it", study)
+                                                : tr("the same command goes on with it"));
   rows.emplace_back(summary.resumable ? "" : tr("next"), "jnd status " + study);
   rows.emplace_back("", "jnd verify " + study);
   rows.emplace_back("", fmt::format("jnd backup {} --to {}", study, printable(quoted(copy_name(summary.study)))));

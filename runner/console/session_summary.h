@@ -6,10 +6,11 @@
 namespace jnd {
 
 struct SessionSummary {
-  std::string study;  // path, as it was given
+  std::string study;  // path of the file that has the answers
   int trials_done = 0, trials_total = 0, trials_voided = 0;
   double run_s = 0;                                          // this run, by the machine's clock
   bool resumable = false;                                    // the same command goes on with it
+  bool moved = false;                                        // it was rescued into another file than was given
   bool free_interaction = false;                             // objects are counted instead of trials
   double slowest_presenting_ms = 0, slowest_waiting_ms = 0;  // as in DeviceLinkReport; both 0: no external rig
 };

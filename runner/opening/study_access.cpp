@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "analysis/numerics/words.h"
+#include "data/copies/rescued_copy.h"
 #include "data/log/event_body.h"
 #include "data/results/study_analysis.h"
 #include "data/study/blinding.h"
@@ -68,6 +69,7 @@ void accept_or_refuse(Study& study, const std::filesystem::path& path, const Pro
 
 std::unique_ptr<Study> open_or_create_study(const std::filesystem::path& path, const Protocol& protocol,
                                             std::optional<std::uint64_t> seed, Stamp stamp) {
+  refuse_rescued(path);
   std::error_code error;
   if (!std::filesystem::exists(path, error)) {
     if (!seed) {

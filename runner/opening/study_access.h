@@ -21,7 +21,8 @@ RigSpec rig_spec_of(const Protocol& protocol);
 RigDescription rig_of(const Protocol& protocol);
 
 // Opens the study, or makes it where there is none: with the given seed, or a drawn one.
-// Throws UsageError where the study has another seed than the one asked for, InputError where it has another protocol.
+// Throws UsageError where the study has another seed than the one asked for, InputError where it has another protocol,
+// StorageError where a session of it went on in a rescued copy.
 std::unique_ptr<Study> open_or_create_study(const std::filesystem::path& path, const Protocol& protocol,
                                             std::optional<std::uint64_t> seed, Stamp stamp);
 

@@ -66,6 +66,21 @@ TEST_CASE("the end of a chain that was cut off is missed", "[data]") {
   }
 }
 
+TEST_CASE("no results come from a study of which an index leaves out a person", "[data]") {
+  const TemporaryFolder folder;
+  const auto path = study_with_exclusion(folder);
+  const auto root = SQLite::Database(path.string(), SQLite::OPEN_READONLY)
+                        .execAndGet("SELECT rootpage FROM sqlite_schema WHERE name = 'event_opened'")
+                        .getInt64();
+  std::string bytes = bytes_of(path);
+  const std::size_t at = bytes.find("P01-simulated", static_cast<std::size_t>(root - 1) * 4096);
+  REQUIRE(at < static_cast<std::size_t>(root) * 4096);
+  bytes[at + 2] ^= 2;  // P03-simulated, of which there is no event
+  write_bytes(path, bytes);
+  CHECK(problems_of(path) != "");
+  CHECK_THAT(refusal_of(path), Catch::Contains("is not what was recorded") && Catch::Contains("index event_opened"));
+}
+
 TEST_CASE("a session knows what the study's own chain was when it began and ended", "[data]") {
   const TemporaryFolder folder;
   const auto path = study_with_exclusion(folder);

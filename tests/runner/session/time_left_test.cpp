@@ -95,6 +95,9 @@ TEST_CASE("The last words of a session say what was done, where it is and what c
   summary.resumable = true;
   CHECK(summary_text(summary).find("next      the same command goes on with it\n            jnd status") !=
         std::string::npos);
+  summary.moved = true;
+  CHECK(summary_text(summary).find("next      the same command with --study 'Anna'\\''s.sqlite' goes on with it\n") !=
+        std::string::npos);
 }
 
 }  // namespace
