@@ -5,6 +5,7 @@
 #include "data/log/event_body.h"
 #include "data/log/replay.h"
 #include "data/log/storage_error.h"
+#include "data/study/blinding.h"
 #include "devices/hid/buttons/button_box.h"
 #include "devices/rigs/rig_factory.h"
 #include "protocols/input/resources.h"
@@ -340,7 +341,7 @@ int command_run(const RunOptions& options) {
   if (person) pausing.emplace();
   const SessionParts parts{shown,       plan,   *rig,     person ? console->responder() : *simulated,
                            *opened.log, *clock, *console, interrupted,
-                           record,      person};
+                           record,      person, plan_sealed(*study, protocol) && !options.technician};
   const SessionRecorder recorder(parts);
   note_connections(parts, recorder, "opened");
   note_calibrations(parts, recorder, certificate_folders(chosen.file, options.study));
@@ -353,7 +354,7 @@ int command_run(const RunOptions& options) {
   try {
     end = SessionEngine(parts).run(replay(opened.log->events()),
                                    {person && target.check.redo_block, person && target.check.practice_again});
-    missing = person ? "" : rig->missing();
+    missing = person ? "" : missing_of(*rig, parts.sealed);
     note_connections(parts, recorder, "closed");
     tell_failures(sound.get(), *console);
     if (end != SessionEnd::interrupted) close_session(*study, opened.id, now(), *console);

@@ -324,8 +324,10 @@ void SessionConsole::saved(const TrialOutline& outline, const Answer& answer) {
   counts_.no_contact = 0;
   display_->counts(counts_);
   for (SessionListener* listener : options_.listeners) listener->answered(outline, answer);
-  display_->answer(name_of(outline),
-                   fmt::format("{}, {:.2f} s", answer_text(answer, protocol_.task), answer.response_time_s),
+  // A value that was settled on was presented: it is a stimulus.
+  const bool gives_away = protocol_.blinded && task_of(protocol_.task.kind).adjusts();
+  const std::string said = gives_away ? std::string() : answer_text(answer, protocol_.task) + ", ";
+  display_->answer(name_of(outline), fmt::format("{}{:.2f} s", said, answer.response_time_s),
                    std::string(translated(to_string(answer.entered_by))));
 }
 
