@@ -55,9 +55,7 @@ void await_rig(const SessionParts& parts, const SessionRecorder& recorder, int a
     parts.rig.neutral();  // a device forgets a fault that is over when it is told to rest, and not before
   };
   while (!parts.rig.missing().empty() && parts.clock.now_ns() - began_ns < kGrace_ns) look_again();
-  // Without a person nobody reads it but the log.
-  const auto look = [&] { return missing_of(parts.rig, parts.person && parts.sealed); };
-  std::string missing = look();
+  std::string missing = missing_of(parts.rig, parts.sealed);
   if (missing.empty()) return;
   parts.rig.neutral();
   note_connections(parts, recorder, "missing");
@@ -72,7 +70,7 @@ void await_rig(const SessionParts& parts, const SessionRecorder& recorder, int a
     else if (parts.clock.now_ns() - began_ns > static_cast<std::int64_t>(1e9 * kLongestWait_s))
       throw SessionEnds{false, "missing", missing};
     look_again();
-    missing = look();
+    missing = missing_of(parts.rig, parts.sealed);
   }
   note_connections(parts, recorder, "back");
 }
