@@ -125,8 +125,8 @@ void check_technician(const RunOptions& options, const Protocol& protocol) {
         printable(protocol.rig.device)));
 }
 
-bool may_unblind(const RunOptions& options, const Protocol& protocol, SessionKind kind, Console& console) {
-  if (!options.technician || kind != SessionKind::real || !protocol.blinded) return true;
+bool may_unblind(const RunOptions& options, const BlindingState& state, Console& console) {
+  if (!options.technician || !state.blinded) return true;
   return console.confirm(tr(
       "The technician's view shows the forces, and so the stimuli. This session of a blinded study will be marked as "
       "unblinded for ever. Go on?"));
@@ -313,7 +313,7 @@ int command_run(const RunOptions& options) {
     }
   }
 
-  if (!may_unblind(options, protocol, request.kind, *console)) {
+  if (!may_unblind(options, blinding_of(*study, protocol, request.kind), *console)) {
     study->close();
     console->end(tr("Not begun."));
     return exit_code::kProblemFound;
