@@ -87,7 +87,8 @@ std::vector<BlindedGroup> groups_of(const Study& study, const Protocol& protocol
 
 BlindedResults blinded_results(const Study& study, const Protocol& protocol, SessionKind kind, DifferenceSource by,
                                const std::string& study_name) {
-  BlindedResults results{.kind = kind};
+  BlindedResults results;
+  results.kind = kind;
   results.chains = require_whole_chains(study);
   results.state = blinding_of(study, protocol, kind);
   results.line = blinding_line(results.state, study_name);
