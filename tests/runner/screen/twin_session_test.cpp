@@ -102,6 +102,7 @@ std::string shown_by(const Protocol& protocol, std::uint64_t seed, bool by_lines
   prepare(bench);
   const Kept lines, events;
   std::string frames;
+  SessionEnd end = SessionEnd::interrupted;
   {
     EventFeed feed(std::to_string(events.number()));
     const OutputTo here(lines);
@@ -117,9 +118,10 @@ std::string shown_by(const Protocol& protocol, std::uint64_t seed, bool by_lines
     card.participant = "P01";
     card.trials_total = main_trial_count(bench.plan);
     console.begin(card);
-    REQUIRE(bench.run(console) == SessionEnd::completed);
+    end = bench.run(console);
     console.end("The end.");
   }
+  REQUIRE(end == SessionEnd::completed);
   std::string told = events.text();
   for (std::size_t at = 0; (at = told.find("\"time_s\":", at)) != std::string::npos;)
     told.erase(at, told.find(',', at) - at);
