@@ -155,6 +155,8 @@ class Rig {
   // What is missing for a presentation, in the operator's words, such as a device that was unplugged, or has a fault;
   // empty: nothing. Devices forget a fault that is over when they are told to rest: call neutral() between looks.
   virtual std::string missing() { return {}; }
+  // The same without the words of programs behind the rig, which may name the stimulus.
+  virtual std::string missing_sealed() { return missing(); }
   // The connections to devices and tracker, for the log; nothing for models inside the program.
   virtual RigConnections connections() const { return {}; }
   // What real-time scheduling the loop got.

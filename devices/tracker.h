@@ -32,6 +32,8 @@ class Tracker {
   virtual std::optional<TrackerReport> report() const { return std::nullopt; }
   // What is missing, in the operator's words; empty: nothing. Any thread.
   virtual std::string missing() const { return {}; }
+  // The same without the words of the tracker's program, which may tell the stimulus.
+  virtual std::string missing_sealed() const { return missing(); }
 };
 
 }  // namespace jnd

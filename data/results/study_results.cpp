@@ -156,7 +156,9 @@ StudyResults results_of(const Study& study, const Protocol& protocol, SessionKin
   }
   if (protocol.analysis.hierarchical) add_hierarchical(results, protocol);
   add_cautions(results, protocol);
-  if (results.groups && protocol.allotment == Allotment::balanced && plan_sealed(study, protocol)) {
+  const bool sealed = plan_sealed(study, protocol);
+  if (sealed) results.answers.clear();  // trial by trial they are the plan that people are to have
+  if (sealed && results.groups && protocol.allotment == Allotment::balanced) {
     std::visit(ForgetGroups{}, results.measured);
     if (results.hierarchical)
       for (HierarchicalPerson& row : results.hierarchical->people) row.group.reset();

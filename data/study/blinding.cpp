@@ -20,8 +20,10 @@ std::string counted(int count, const char* thing) {
 BlindingState blinding_of(const Study& study, const Protocol& protocol, SessionKind kind) {
   BlindingState state;
   state.planned = protocol.design.participants;
+  bool any_real = false;
   std::map<std::string, int> closed;  // sessions, by participant
   for (const SessionInfo& session : study.sessions()) {
+    any_real = any_real || session.kind == SessionKind::real;
     if (session.kind != SessionKind::real || session.excluded) continue;
     if (session.state != "closed")
       ++state.unfinished;
@@ -30,7 +32,7 @@ BlindingState blinding_of(const Study& study, const Protocol& protocol, SessionK
   }
   state.finished = static_cast<int>(std::count_if(
       closed.begin(), closed.end(), [&](const auto& entry) { return entry.second >= protocol.design.sessions; }));
-  state.blinded = kind == SessionKind::real && protocol.blinded &&
+  state.blinded = (any_real || kind == SessionKind::real) && protocol.blinded &&
                   (state.unfinished > 0 || state.finished < state.planned) && !is_unblinded(study);
   return state;
 }
@@ -45,6 +47,10 @@ bool plan_sealed(const Study& study, const Protocol& protocol) {
 
 std::string seed_text(const Study& study, const Protocol& protocol, std::string_view sealed) {
   return plan_sealed(study, protocol) ? std::string(sealed) : std::to_string(study.info().seed);
+}
+
+std::string shown_head(const SessionInfo& session, bool sealed) {
+  return sealed && session.state != "closed" ? std::string() : session.head;
 }
 
 std::string blinding_line(const BlindingState& state, const std::string& study) {

@@ -20,17 +20,22 @@ struct BlindingState {
   int unfinished = 0;  // real sessions that are still open; without those of excluded participants
 };
 
-// Of pilot and simulated data: never blinded. Of real data: where the protocol says coded, the study was not unblinded,
-// and a session is unfinished or fewer participants have finished than are planned.
+// Real data are blinded where the protocol says coded, the study was not unblinded, and a session is unfinished or fewer
+// participants have finished than are planned. So are pilot and simulated data of a study with a real session, because
+// participant n of every kind has the same plan.
 BlindingState blinding_of(const Study& study, const Protocol& protocol, SessionKind kind);
 
 // Whether stimuli, orders and seed are kept secret: the study is blinded for real data, and it has a real or
-// pilot session, or none of any kind yet. Then outputs about its pilot and simulated sessions leave the plan out too,
-// because participant n of every kind has the same plan. A study of simulations alone has no secrets.
+// pilot session, or none of any kind yet. Results of pilot sessions that stand alone name the conditions then, but no
+// single trial. A study of simulations alone has no secrets.
 bool plan_sealed(const Study& study, const Protocol& protocol);
 
 // The study's seed in decimal, or `sealed` where it would give the plan away.
 std::string seed_text(const Study& study, const Protocol& protocol, std::string_view sealed);
+
+// The head of the session's chain. Empty while plans are sealed and the session is open: from one trial to the next it
+// would be the hash of a single event.
+std::string shown_head(const SessionInfo& session, bool sealed);
 
 // Why results are in code, and what ends it, in one line. study: how the command line names it.
 std::string blinding_line(const BlindingState& state, const std::string& study);

@@ -76,6 +76,7 @@ ExternalRig::ExternalRig(ExternalSettings settings, const Clock& clock)
       clock_(clock),
       exchange_(kVersion, settings_.time_outs),
       trouble_(fmt::format("{} has not been started yet", source_)),
+      sealed_(trouble_),
       wake_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
   if (wake_ < 0) throw DeviceError(fmt::format("no eventfd can be made: {}", std::strerror(errno)));
   thread_ = start_io_thread([this] { serve(); }, 0);
@@ -107,6 +108,11 @@ std::optional<RigHello> ExternalRig::hello() const {
 std::string ExternalRig::missing() const {
   const std::lock_guard lock(mutex_);
   return trouble_;
+}
+
+std::string ExternalRig::missing_sealed() const {
+  const std::lock_guard lock(mutex_);
+  return trouble_.empty() ? std::string() : sealed_;
 }
 
 ExternalReport ExternalRig::report() const {
@@ -212,11 +218,13 @@ bool ExternalRig::leaving() const {
 }
 
 // How often it was tried belongs to the message: a rig that cannot be started again is not waited for in silence.
-void ExternalRig::say(const std::string& trouble) {
+void ExternalRig::say(const std::string& trouble, const std::string& sealed) {
   {
     const std::lock_guard lock(mutex_);
-    trouble_ = fmt::format("{}{}", source_, trouble);
-    if (failed_starts_ > 1) trouble_ += fmt::format("; it could not be started {} times", failed_starts_);
+    const std::string starts =
+        failed_starts_ > 1 ? fmt::format("; it could not be started {} times", failed_starts_) : std::string();
+    trouble_ = source_ + trouble + starts;
+    sealed_ = source_ + sealed + starts;
   }
   news_.notify_all();
 }
@@ -261,7 +269,8 @@ void ExternalRig::serve_once() {
     converse(connection);
     part(connection);
   } catch (const DeviceError& error) {
-    say(fmt::format(" {}: correct \"external\" in the rig file, or start the rig", error.what()));
+    const std::string trouble = fmt::format(" {}: correct \"external\" in the rig file, or start the rig", error.what());
+    say(trouble, trouble);
   }
   {
     const std::lock_guard lock(mutex_);
@@ -310,12 +319,15 @@ void ExternalRig::settle() {
 
 // Ends the rig, and says why.
 void ExternalRig::part(RigConnection& connection) {
-  std::string why, last_words;
+  std::string why, sealed, last_words;
   {
     const std::lock_guard lock(mutex_);
     exchange_.bye();
     last_words = exchange_.take_output();
-    if (exchange_.lost()) why = exchange_.lost()->words;
+    if (exchange_.lost()) {
+      why = exchange_.lost()->words;
+      sealed = exchange_.lost()->sealed;
+    }
   }
   (void)connection.write(last_words);
   if (why.empty()) {
@@ -324,10 +336,11 @@ void ExternalRig::part(RigConnection& connection) {
     (void)connection.end(kFaultGrace);
     return;
   }
-  say(": " + why);  // ending it takes a while
+  say(": " + why, ": " + sealed);  // ending it takes a while
   const std::string how = connection.end(kFaultGrace);
   say(fmt::format(": {} ({}){}{}", why, how,
-                  connection.last_error().empty() ? "" : ", and it said last: ", connection.last_error()));
+                  connection.last_error().empty() ? "" : ", and it said last: ", connection.last_error()),
+      fmt::format(": {} ({})", sealed, how));
 }
 
 // The latch may be set by a signal handler, which can do no more.

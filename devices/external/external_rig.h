@@ -65,6 +65,8 @@ class ExternalRig {
   // Why nothing can be presented, in the operator's words: not started, silent, ended and how, cannot be started again;
   // empty: nothing is missing.
   std::string missing() const;
+  // The same without what the rig said itself, which may name what it presents.
+  std::string missing_sealed() const;
   ExternalReport report() const;
 
   // One presentation from "prepare" to its end. hear: each event as it comes, on this thread. While `stop` is latched
@@ -95,7 +97,7 @@ class ExternalRig {
   void hear_all(RigConnection& connection);
   void settle();
   void pass_on_stop();
-  void say(const std::string& trouble);
+  void say(const std::string& trouble, const std::string& sealed);
   bool leaving() const;
 
   const ExternalSettings settings_;
@@ -106,6 +108,7 @@ class ExternalRig {
   mutable std::condition_variable news_;
   RigExchange exchange_;
   std::string trouble_;                 // empty while it is there
+  std::string sealed_;                  // trouble_ without words of the rig
   int starts_ = 0, failed_starts_ = 0;  // failed: in a row
   bool is_trying_ = false;              // it is started, or runs
   bool leave_ = false;

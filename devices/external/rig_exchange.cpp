@@ -199,7 +199,7 @@ void RigExchange::take(const RigFault& fault, std::int64_t now_ns) {
   const std::string cause = ascii_quote(fault.cause);
   if (!fault.id) {
     emit({now_ns, fault});
-    end(RigFailure::rig_fault, "the rig says: " + cause, now_ns);
+    end(RigFailure::rig_fault, "the rig says: " + cause, now_ns, "the rig reports a fault");
     return;
   }
   if (question_ != 0 && *fault.id == question_) {
@@ -263,7 +263,7 @@ void RigExchange::tick(std::int64_t now_ns) {
               ? fmt::format("no hello within {:g} s", time_outs_.hello_s)
               : fmt::format("no hello that can be taken within {:g} s; the last line was refused: {}",
                             time_outs_.hello_s, refused_lines_.back().why),
-          now_ns);
+          now_ns, fmt::format("no hello that can be taken within {:g} s", time_outs_.hello_s));
     return;
   }
   judge_silence(now_ns);
@@ -299,13 +299,13 @@ void RigExchange::tick(std::int64_t now_ns) {
   }
 }
 
-void RigExchange::end(RigFailure failure, std::string_view words, std::int64_t now_ns) {
+void RigExchange::end(RigFailure failure, std::string_view words, std::int64_t now_ns, std::string_view sealed) {
   if (lost_) return;
   if (engaged() || question_ != 0) output_ += stop_line(0, RigStop::fault);
   void_presentation(failure, std::string(words), now_ns);
   void_question(failure, std::string(words), now_ns);
   rest();
-  lost_ = RigLost{failure, std::string(words)};
+  lost_ = RigLost{failure, std::string(words), std::string(sealed.empty() ? words : sealed)};
   emit({now_ns, *lost_});
 }
 
@@ -388,7 +388,7 @@ void RigExchange::refuse(std::string why, std::int64_t now_ns) {
   if (++refused_lately_ > kMostRefusedLines)
     end(RigFailure::babbling,
         fmt::format("{} lines refused within a second, the last: {}", refused_lately_, refused_lines_.back().why),
-        now_ns);
+        now_ns, fmt::format("{} lines refused within a second", refused_lately_));
 }
 
 void RigExchange::void_presentation(RigFailure failure, std::string words, std::int64_t now_ns) {

@@ -57,6 +57,7 @@ struct RigLineRefused {
 struct RigLost {
   RigFailure failure = RigFailure::ended;
   std::string words;
+  std::string sealed{};  // the same without words of the rig, which may name what it presents
 };
 
 struct RigEvent {
@@ -91,8 +92,8 @@ class RigExchange {
   void hear_too_long(std::string_view beginning, std::int64_t now_ns);
   // Says `alive`, and judges time-outs: call it at least every 10 ms, after everything that has come was heard.
   void tick(std::int64_t now_ns);
-  // The connection is over.
-  void end(RigFailure failure, std::string_view words, std::int64_t now_ns);
+  // The connection is over. sealed: as RigLost::sealed; empty: nothing in `words` is the rig's.
+  void end(RigFailure failure, std::string_view words, std::int64_t now_ns, std::string_view sealed = {});
   // What is to be written, taken away.
   std::string take_output();
   // While this is set the connection has to be ended; only begin() clears it.

@@ -50,13 +50,13 @@ void FingertipRig::neutral() noexcept {
   for (const auto& device : parts_.devices) device->neutral();
 }
 
-std::string FingertipRig::missing() {
+std::string FingertipRig::missing_with(const std::string& of_tracker) const {
   std::string all;
   const auto add = [&all](const std::string& one) {
     if (!one.empty()) all += (all.empty() ? "" : "; ") + one;
   };
   for (const auto& link : parts_.links) add(link->missing());
-  add(parts_.tracker->missing());
+  add(of_tracker);
   return all;
 }
 

@@ -51,11 +51,14 @@ class FingertipRig final : public Rig {
   TelemetryRing* telemetry() noexcept override { return telemetry_.get(); }
   TelemetryRing* live() noexcept override { return live_.get(); }
   void watch(const std::function<void(const LoopSnapshot&)>& look) override { look_ = look; }
-  std::string missing() override;
+  std::string missing() override { return missing_with(parts_.tracker->missing()); }
+  std::string missing_sealed() override { return missing_with(parts_.tracker->missing_sealed()); }
   RigConnections connections() const override;
   RealtimeReport realtime() const override;
 
  private:
+  std::string missing_with(const std::string& of_tracker) const;
+
   RigInfo info_;
   RigParts parts_;
   std::unique_ptr<TelemetryRing> telemetry_, live_;

@@ -19,6 +19,7 @@ class LaboratoryRig final : public Rig, private RigButtons {
   void neutral() noexcept override;
   void watch(const std::function<void(const LoopSnapshot&)>& look) override { look_ = look; }
   std::string missing() override { return rig_.missing(); }
+  std::string missing_sealed() override { return rig_.missing_sealed(); }
   RigConnections connections() const override;
   Trace take_trace() override { return std::exchange(trace_, {}); }
   RigButtons* buttons() noexcept override { return has_buttons_ ? this : nullptr; }

@@ -60,6 +60,7 @@ ProcessTracker::ProcessTracker(std::vector<std::string> command, std::filesystem
       feed_(fingers, to_world),
       last_read_ns_(clock.now_ns() - kUnused_ns),
       trouble_(fmt::format("{} has not been started yet", command_text_)),
+      sealed_(trouble_),
       wake_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
   if (wake_ < 0) throw DeviceError(fmt::format("no eventfd can be made: {}", std::strerror(errno)));
   thread_ = start_io_thread([this] { serve(); }, 0);
@@ -103,10 +104,19 @@ std::string ProcessTracker::missing() const {
   return missing;
 }
 
-void ProcessTracker::say(bool running, std::string trouble) {
+std::string ProcessTracker::missing_sealed() const {
+  {
+    const std::lock_guard lock(mutex_);
+    if (!trouble_.empty()) return sealed_;
+  }
+  return feed_.missing(clock_.now_ns());
+}
+
+void ProcessTracker::say(bool running, std::string trouble, std::string sealed) {
   const std::lock_guard lock(mutex_);
   running_ = running;
   trouble_ = std::move(trouble);
+  sealed_ = std::move(sealed);
 }
 
 bool ProcessTracker::in_use() const noexcept {
@@ -143,15 +153,18 @@ void ProcessTracker::serve_once() {
   }
   try {
     ChildProcess child(command_, folder_);
-    say(true, "");
+    say(true, "", "");
     listen(child);
     const std::string how = child.end();
-    std::string trouble = fmt::format("{} has ended ({})", command_text_, how);
+    const std::string sealed = fmt::format("{} has ended ({})", command_text_, how);
+    std::string trouble = sealed;
     if (!last_error_.empty()) trouble += fmt::format(", and said last: {}", last_error_);
     if (const std::lock_guard lock(mutex_); !refused_.empty()) trouble += "; " + refused_;
-    say(false, trouble);
+    say(false, trouble, sealed);
   } catch (const DeviceError& error) {
-    say(false, fmt::format("{} {}: correct the tracker's \"command\" in the rig file", command_text_, error.what()));
+    const std::string trouble =
+        fmt::format("{} {}: correct the tracker's \"command\" in the rig file", command_text_, error.what());
+    say(false, trouble, trouble);
   }
 }
 

@@ -38,6 +38,7 @@ class ProcessTracker final : public Tracker {
   bool read(int finger, std::int64_t now_ns, FingerPose& pose) noexcept override;
   std::optional<TrackerReport> report() const override;
   std::string missing() const override;
+  std::string missing_sealed() const override;
 
  private:
   void serve() noexcept;
@@ -48,7 +49,7 @@ class ProcessTracker final : public Tracker {
   void remember(std::string_view line, const char* why);
   void hear_error(std::string_view line);
   bool in_use() const noexcept;
-  void say(bool running, std::string trouble);
+  void say(bool running, std::string trouble, std::string sealed);
 
   const std::vector<std::string> command_;
   const std::string command_text_;
@@ -65,6 +66,7 @@ class ProcessTracker final : public Tracker {
 
   mutable std::mutex mutex_;  // never the loop's
   std::string trouble_;       // why there are no poses; empty while it runs and writes as it should
+  std::string sealed_;        // trouble_ without words of the program
   std::string refused_;       // the first line of this run that was none, and why
   bool running_ = false;
 

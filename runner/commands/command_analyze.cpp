@@ -123,9 +123,9 @@ std::string results_text(const StudyResults& results, const Protocol& protocol, 
   return shown ? text : text + rest;
 }
 
-int analyze_blinded(const Study& study, const Protocol& protocol, const AnalyzeOptions& options) {
+int analyze_blinded(const Study& study, const Protocol& protocol, SessionKind kind, const AnalyzeOptions& options) {
   const BlindedResults results =
-      blinded_results(study, protocol, source_to_analyse(protocol, options.by), options.study);
+      blinded_results(study, protocol, kind, source_to_analyse(protocol, options.by), options.study);
   if (options.all || options.sections != AnalyzeOptions().sections || !options.methods.empty())
     throw UsageError(results.line +
                      "\n--all, --cells, --tests and their like, and --methods, name conditions: leave them out until "
@@ -143,10 +143,10 @@ int analyze_blinded(const Study& study, const Protocol& protocol, const AnalyzeO
   std::string text = paragraph(protocol.title, "", bold) +
                      dim(fmt::format("protocol {}", protocol.sha256.substr(0, 12))) + "\n\n" +
                      warn(printable(results.line)) + "\n\n";  // it ends with a command, in one line
-  if (results.participants.empty()) text += "  no real session yet\n";
+  if (results.participants.empty()) text += fmt::format("  no {} session yet\n", to_string(kind));
   for (const ResultTable& table : blinded_tables(results, protocol)) text += text_of(table);
   print_paged(text + paragraph(chain_line(results.chains), "", dim));
-  say_other_kinds(study, SessionKind::real);
+  say_other_kinds(study, kind);
   if (!options.csv.empty()) fmt::print("CSV files of these results are in {}\n", printable(options.csv));
   return exit_code::kDone;
 }
@@ -157,7 +157,7 @@ int command_analyze(const AnalyzeOptions& options) {
   const std::unique_ptr<Study> study = Study::open(options.study, Study::Access::read_only);
   const Protocol protocol = protocol_of(*study);
   const SessionKind kind = kind_to_analyse(*study, options.kind);
-  if (blinding_of(*study, protocol, kind).blinded) return analyze_blinded(*study, protocol, options);
+  if (blinding_of(*study, protocol, kind).blinded) return analyze_blinded(*study, protocol, kind, options);
   std::optional<WorkLine> working(std::in_place, "analysing " + options.study);
   StudyResults results = results_of(*study, protocol, kind, source_to_analyse(protocol, options.by));
   if (options.json || !options.csv.empty() || options.shows(Section::participants) || options.shows(Section::tests))

@@ -87,17 +87,16 @@ void show_page(const std::filesystem::path& page, const ReportOptions& options) 
         fmt::format("{}: no browser could be started ($BROWSER, xdg-open); open it yourself", page.string()));
 }
 
-int report_blinded(const Study& study, const Protocol& protocol, const ReportOptions& options, ReportFiles files) {
-  if (!options.presses.empty())
-    throw UsageError("--press shows forces, and so the stimuli, and the study is blinded: leave it out");
+int report_blinded(const Study& study, const Protocol& protocol, SessionKind kind, const ReportOptions& options,
+                   ReportFiles files) {
   const BlindedResults results =
-      blinded_results(study, protocol, source_to_analyse(protocol, options.by), options.study);
+      blinded_results(study, protocol, kind, source_to_analyse(protocol, options.by), options.study);
   files.page_bytes = blinded_page(results, protocol, std::filesystem::path(options.study).filename().string());
   write_report(files, options.replace);
-  fmt::print("{}: {} real participant{}; one page that needs nothing else\n", bold(printable(files.page.string())),
-             results.participants.size(), results.participants.size() == 1 ? "" : "s");
+  fmt::print("{}: {} {} participant{}; one page that needs nothing else\n", bold(printable(files.page.string())),
+             results.participants.size(), to_string(kind), results.participants.size() == 1 ? "" : "s");
   fmt::print("{}\n", warn(printable(results.line)));
-  say_other_kinds(study, SessionKind::real);
+  say_other_kinds(study, kind);
   show_page(files.page, options);
   return exit_code::kDone;
 }
@@ -115,12 +114,17 @@ int command_report(const ReportOptions& options) {
   check_report_place(files.page, files.folder, options.replace);  // before the work, not after it
   const Protocol protocol = protocol_of(*study);
   const SessionKind kind = kind_to_analyse(*study, options.kind);
-  if (blinding_of(*study, protocol, kind).blinded) return report_blinded(*study, protocol, options, std::move(files));
+  const bool sealed = plan_sealed(*study, protocol);
+  if (sealed && !options.presses.empty())
+    throw UsageError("--press shows forces, and so the stimuli, and the study is blinded: leave it out");
+  if (blinding_of(*study, protocol, kind).blinded)
+    return report_blinded(*study, protocol, kind, options, std::move(files));
   std::optional<WorkLine> working(std::in_place, "analysing " + options.study);
   StudyResults results = results_of(*study, protocol, kind, source_to_analyse(protocol, options.by));
   add_hierarchical(results, protocol);
-  const std::vector<Figure> figures =
-      study_figures(results, protocol, presses_of(*study, protocol, sessions_of(*study, kind), options));
+  const ShownPresses presses =
+      sealed ? ShownPresses() : presses_of(*study, protocol, sessions_of(*study, kind), options);
+  const std::vector<Figure> figures = study_figures(results, protocol, presses);
   files.page_bytes = report_page(results, protocol, result_tables(results, protocol), figures,
                                  methods_text(*study, protocol, results), facts_of(*study, protocol, study_path, kind));
   for (const Figure& figure : figures) files.figures.emplace_back(figure.id + ".svg", figure.svg.file());

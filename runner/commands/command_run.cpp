@@ -5,6 +5,7 @@
 #include "data/log/event_body.h"
 #include "data/log/replay.h"
 #include "data/log/storage_error.h"
+#include "data/study/blinding.h"
 #include "devices/hid/buttons/button_box.h"
 #include "devices/rigs/rig_factory.h"
 #include "protocols/input/resources.h"
@@ -124,8 +125,8 @@ void check_technician(const RunOptions& options, const Protocol& protocol) {
         printable(protocol.rig.device)));
 }
 
-bool may_unblind(const RunOptions& options, const Protocol& protocol, SessionKind kind, Console& console) {
-  if (!options.technician || kind != SessionKind::real || !protocol.blinded) return true;
+bool may_unblind(const RunOptions& options, const BlindingState& state, Console& console) {
+  if (!options.technician || !state.blinded) return true;
   return console.confirm(tr(
       "The technician's view shows the forces, and so the stimuli. This session of a blinded study will be marked as "
       "unblinded for ever. Go on?"));
@@ -313,7 +314,7 @@ int command_run(const RunOptions& options) {
     }
   }
 
-  if (!may_unblind(options, protocol, request.kind, *console)) {
+  if (!may_unblind(options, blinding_of(*study, protocol, request.kind), *console)) {
     study->close();
     console->end(tr("Not begun."));
     return exit_code::kProblemFound;
@@ -341,7 +342,7 @@ int command_run(const RunOptions& options) {
   if (person) pausing.emplace();
   const SessionParts parts{shown,       plan,   *rig,     person ? console->responder() : *simulated,
                            *opened.log, *clock, *console, interrupted,
-                           record,      person};
+                           record,      person, plan_sealed(*study, protocol) && !options.technician};
   const SessionRecorder recorder(parts);
   note_connections(parts, recorder, "opened");
   note_calibrations(parts, recorder, certificate_folders(chosen.file, options.study));
@@ -354,7 +355,7 @@ int command_run(const RunOptions& options) {
   try {
     end = SessionEngine(parts).run(replay(opened.log->events()),
                                    {person && target.check.redo_block, person && target.check.practice_again});
-    missing = person ? "" : rig->missing();
+    missing = person ? "" : missing_of(*rig, parts.sealed);
     note_connections(parts, recorder, "closed");
     tell_failures(sound.get(), *console);
     if (end != SessionEnd::interrupted) close_session(*study, opened.id, now(), *console);

@@ -82,7 +82,8 @@ int command_status(const StatusOptions& options) {
            {"responder", session.responder},
            {"started", session.started},
            {"ended", session.ended.empty() ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(session.ended)},
-           {"head", session.head}});
+           {"head", sealed && session.state != "closed" ? nlohmann::ordered_json(nullptr)
+                                                        : nlohmann::ordered_json(session.head)}});
       if (shows_groups) out["sessions"].back()["group"] = session.group;
     }
     fmt::print("{}\n", json_line(out));
@@ -195,14 +196,14 @@ void say_exported(const std::string& folder, const std::vector<std::string>& fil
       "    Python:  python3 recompute.py\n");
 }
 
-int export_in_code(const Study& study, const Protocol& protocol, const ExportOptions& options) {
+int export_in_code(const Study& study, const Protocol& protocol, SessionKind kind, const ExportOptions& options) {
   const BlindedResults results =
-      blinded_results(study, protocol, source_to_analyse(protocol, options.by), options.study);
+      blinded_results(study, protocol, kind, source_to_analyse(protocol, options.by), options.study);
   const HoldInterrupts hold;
   const std::vector<std::string> files = export_blinded(study, protocol, results, options.folder, options.replace);
   fmt::print("{}\n", warn(printable(results.line)));
-  say_exported(options.folder, files, "real data, in code");
-  say_other_kinds(study, SessionKind::real);
+  say_exported(options.folder, files, coded_data(kind));
+  say_other_kinds(study, kind);
   return exit_code::kDone;
 }
 
@@ -213,7 +214,7 @@ int command_export(const ExportOptions& options) {
   if (options.telemetry && plan_sealed(*study, protocol))
     throw UsageError(blinding_line(blinding_of(*study, protocol, SessionKind::real), options.study) +
                      "\nThe recorded forces give the stimuli away: export without --telemetry until then");
-  if (blinding_of(*study, protocol, kind).blinded) return export_in_code(*study, protocol, options);
+  if (blinding_of(*study, protocol, kind).blinded) return export_in_code(*study, protocol, kind, options);
   std::optional<WorkLine> working(std::in_place, "exporting " + options.study);
   StudyResults results = results_of(*study, protocol, kind, source_to_analyse(protocol, options.by));
   add_hierarchical(results, protocol);

@@ -324,8 +324,10 @@ void SessionConsole::saved(const TrialOutline& outline, const Answer& answer) {
   counts_.no_contact = 0;
   display_->counts(counts_);
   for (SessionListener* listener : options_.listeners) listener->answered(outline, answer);
-  display_->answer(name_of(outline),
-                   fmt::format("{}, {:.2f} s", answer_text(answer, protocol_.task), answer.response_time_s),
+  // A value that was settled on was presented: it is a stimulus.
+  const bool gives_away = protocol_.blinded && task_of(protocol_.task.kind).adjusts();
+  const std::string said = gives_away ? std::string() : answer_text(answer, protocol_.task) + ", ";
+  display_->answer(name_of(outline), fmt::format("{}{:.2f} s", said, answer.response_time_s),
                    std::string(translated(to_string(answer.entered_by))));
 }
 
@@ -449,10 +451,11 @@ void SessionConsole::feedback(bool correct) {
 
 void SessionConsole::practice_over(int rounds, double share_correct, bool passed) {
   const std::string criterion = passed ? std::string() : tr(", below the protocol's criterion; this is in the log");
-  const double percent = 100 * share_correct;
-  display_->announce(rounds == 1
-                         ? tr("Practice is over after 1 round: {:.0f} % right{}.", percent, criterion)
-                         : tr("Practice is over after {} rounds: {:.0f} % right{}.", rounds, percent, criterion),
+  // Where nobody was told which answers were right, their number tells classes.
+  const bool gives_away = protocol_.blinded && protocol_.practice->feedback == Feedback::none;
+  const std::string right = gives_away ? std::string() : tr(": {:.0f} % right", 100 * share_correct);
+  display_->announce(rounds == 1 ? tr("Practice is over after 1 round{}{}.", right, criterion)
+                                 : tr("Practice is over after {} rounds{}{}.", rounds, right, criterion),
                      false);
 }
 

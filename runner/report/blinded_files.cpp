@@ -63,21 +63,24 @@ void write_results(ExportFolder& files, const BlindedResults& results, const Pro
   if (!results.groups.empty()) write("coded.csv", blinded_group_fields(protocol), results.groups);
 }
 
-constexpr const char* kHolds = "real data, in code";
-
 }  // namespace
+
+std::string coded_data(SessionKind kind) {
+  return fmt::format("{} data, in code", to_string(kind));
+}
 
 void write_blinded_results(ExportFolder& files, const BlindedResults& results, const Protocol& protocol) {
   std::vector<DictionaryRow> dictionary;
   write_results(files, results, protocol, dictionary);
-  write_descriptions(files, protocol, kHolds, std::move(dictionary));
+  write_descriptions(files, protocol, coded_data(results.kind), std::move(dictionary));
 }
 
 std::vector<std::string> export_blinded(const Study& study, const Protocol& protocol, const BlindedResults& results,
                                         const std::filesystem::path& folder, bool replace) {
   ExportFolder files(folder, replace);
   std::vector<SessionInfo> sessions = study.sessions();
-  std::erase_if(sessions, [](const SessionInfo& session) { return session.kind != SessionKind::real; });
+  std::erase_if(sessions, [&](const SessionInfo& session) { return session.kind != results.kind; });
+  for (SessionInfo& session : sessions) session.head = shown_head(session, true);
   std::vector<DictionaryRow> dictionary;
   const auto write = [&](const std::string& name, const auto& columns, const auto& rows) {
     files.write(name, csv_table(columns, rows));
@@ -92,7 +95,7 @@ std::vector<std::string> export_blinded(const Study& study, const Protocol& prot
     if (!session.excluded) add_trials(study, session, not_counted[session.id], trials);
   trials.describe_in(dictionary);
   write_results(files, results, protocol, dictionary);
-  write_descriptions(files, protocol, kHolds, std::move(dictionary));
+  write_descriptions(files, protocol, coded_data(results.kind), std::move(dictionary));
   return files.publish();
 }
 
@@ -103,9 +106,9 @@ std::string blinded_page(const BlindedResults& results, const Protocol& protocol
       "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'\">\n"
       "<meta name=\"generator\" content=\"jnd {0}\">\n<title>{1} - {2} (blinded)</title>\n<style>{3}</style>\n</head>\n"
       "<body>\n<a class=\"skip\" href=\"#summary\">Skip to the results</a>\n<header>\n<p class=\"eyebrow\">Report of "
-      "{4} <span class=\"kind\">real, blinded</span></p>\n<h1>{5}</h1>\n</header>\n",
+      "{4} <span class=\"kind\">{6}, blinded</span></p>\n<h1>{5}</h1>\n</header>\n",
       kVersion, escape_markup(protocol.title), escape_markup(study_file), report_style(), user_text(study_file),
-      user_text(protocol.title));
+      user_text(protocol.title), to_string(results.kind));
   html += fmt::format(
       "<main>\n<h2 id=\"summary\">Summary</h2>\n<section class=\"alert\" aria-labelledby=\"blinded\">\n"
       "<h2 id=\"blinded\">This study is blinded</h2>\n{}</section>\n",

@@ -12,6 +12,9 @@
 
 namespace jnd {
 
+// "real data, in code": what such files hold.
+std::string coded_data(SessionKind kind);
+
 // monitoring.csv and coded.csv, with dictionary.csv and datapackage.json. Throws StorageError, as all here.
 void write_blinded_results(ExportFolder& files, const BlindedResults& results, const Protocol& protocol);
 

@@ -85,14 +85,15 @@ std::vector<BlindedGroup> groups_of(const Study& study, const Protocol& protocol
 
 }  // namespace
 
-BlindedResults blinded_results(const Study& study, const Protocol& protocol, DifferenceSource by,
+BlindedResults blinded_results(const Study& study, const Protocol& protocol, SessionKind kind, DifferenceSource by,
                                const std::string& study_name) {
   BlindedResults results;
+  results.kind = kind;
   results.chains = require_whole_chains(study);
-  results.state = blinding_of(study, protocol, SessionKind::real);
+  results.state = blinding_of(study, protocol, kind);
   results.line = blinding_line(results.state, study_name);
   std::vector<SessionInfo> sessions = study.sessions();
-  std::erase_if(sessions, [](const SessionInfo& session) { return session.kind != SessionKind::real; });
+  std::erase_if(sessions, [kind](const SessionInfo& session) { return session.kind != kind; });
   if (sessions.empty()) return results;
 
   std::map<std::string, Tally> tallies;
@@ -106,7 +107,7 @@ BlindedResults blinded_results(const Study& study, const Protocol& protocol, Dif
   });
   for (const std::string& participant : order)
     results.participants.push_back(summed(std::move(tallies[participant]), protocol));
-  results.groups = groups_of(study, protocol, by);
+  if (kind == SessionKind::real) results.groups = groups_of(study, protocol, by);
   return results;
 }
 

@@ -40,6 +40,7 @@ struct BlindedGroup {
 inline constexpr int kFewestTogether = 3;
 
 struct BlindedResults {
+  SessionKind kind = SessionKind::real;
   ChainReport chains;  // of the whole study, read before anything was computed
   BlindingState state;
   std::string line;  // blinding_line
@@ -47,9 +48,10 @@ struct BlindedResults {
   std::vector<BlindedGroup> groups;  // by code
 };
 
-// Of the study's real sessions. Throws BrokenChain where the study is not what was recorded. study_name: how the
-// command line names the study.
-BlindedResults blinded_results(const Study& study, const Protocol& protocol, DifferenceSource by,
+// Of the study's sessions of that kind. Only people who are measured have groups: who knows how simulated or pilot
+// participants answer would know the letters by their means. Throws BrokenChain where the study is not what was
+// recorded. study_name: how the command line names the study.
+BlindedResults blinded_results(const Study& study, const Protocol& protocol, SessionKind kind, DifferenceSource by,
                                const std::string& study_name);
 
 std::vector<ResultTable> blinded_tables(const BlindedResults& results, const Protocol& protocol);

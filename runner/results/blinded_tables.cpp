@@ -55,7 +55,7 @@ nlohmann::ordered_json to_json(const BlindingState& state) {
 }
 
 nlohmann::ordered_json to_json(const BlindedResults& results, const Protocol& protocol) {
-  nlohmann::ordered_json out = {{"kind", "real"}, {"blinding", to_json(results.state)}};
+  nlohmann::ordered_json out = {{"kind", to_string(results.kind)}, {"blinding", to_json(results.state)}};
   out["blinding"]["why"] = results.line;
   out["protocol_sha256"] = protocol.sha256;
   out["events_verified"] = results.chains.events;

@@ -44,6 +44,10 @@ bool counts_as_attempt(const SessionParts& parts, Fault fault) {
   return !gone || parts.rig.missing().empty();
 }
 
+std::string missing_of(Rig& rig, bool sealed) {
+  return sealed ? rig.missing_sealed() : rig.missing();
+}
+
 void await_rig(const SessionParts& parts, const SessionRecorder& recorder, int after_trial) {
   const std::int64_t began_ns = parts.clock.now_ns();
   const auto look_again = [&] {
@@ -51,7 +55,7 @@ void await_rig(const SessionParts& parts, const SessionRecorder& recorder, int a
     parts.rig.neutral();  // a device forgets a fault that is over when it is told to rest, and not before
   };
   while (!parts.rig.missing().empty() && parts.clock.now_ns() - began_ns < kGrace_ns) look_again();
-  std::string missing = parts.rig.missing();
+  std::string missing = missing_of(parts.rig, parts.sealed);
   if (missing.empty()) return;
   parts.rig.neutral();
   note_connections(parts, recorder, "missing");
@@ -66,7 +70,7 @@ void await_rig(const SessionParts& parts, const SessionRecorder& recorder, int a
     else if (parts.clock.now_ns() - began_ns > static_cast<std::int64_t>(1e9 * kLongestWait_s))
       throw SessionEnds{false, "missing", missing};
     look_again();
-    missing = parts.rig.missing();
+    missing = missing_of(parts.rig, parts.sealed);
   }
   note_connections(parts, recorder, "back");
 }

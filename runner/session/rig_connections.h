@@ -22,6 +22,9 @@ void note_calibrations(const SessionParts& parts, const SessionRecorder& recorde
 // that stops itself, does use it up: otherwise it could go on for ever.
 bool counts_as_attempt(const SessionParts& parts, Fault fault);
 
+// What is missing of the rig, as it may be said; the log keeps all of it.
+std::string missing_of(Rig& rig, bool sealed);
+
 // Before anything is presented: returns when nothing is missing. A person is told what is, and may end the session; the
 // devices are at rest. Without a person it waits kLongestWait_s. Throws SessionEnds: the session can be resumed.
 inline constexpr double kLongestWait_s = 30;

@@ -35,6 +35,7 @@ struct SessionParts {
   const Interrupts& interrupts;  // what Ctrl-C and signals have asked for
   RecordPolicy record = RecordPolicy::events;
   bool person = false;  // a person feels the stimuli: what was presented is marked before it is answered
+  bool sealed = true;   // nobody is told what a rig's programs say: it may name the stimulus
 };
 
 // Unwinds a session to its end.

@@ -7,8 +7,6 @@
 
 namespace jnd {
 
-namespace {
-
 bool is_sealed(const Study& study) {
   try {
     return plan_sealed(study, protocol_of(study));
@@ -16,6 +14,8 @@ bool is_sealed(const Study& study) {
     return true;
   }
 }
+
+namespace {
 
 std::vector<std::string> texts_of(const std::vector<Problem>& problems, bool in_words) {
   std::vector<std::string> texts;

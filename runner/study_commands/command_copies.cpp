@@ -5,6 +5,7 @@
 #include "data/copies/backup.h"
 #include "data/copies/merge.h"
 #include "data/copies/recover.h"
+#include "data/study/blinding.h"
 #include "runner/keys/interrupt.h"
 #include "runner/study_commands/blinded_problem.h"
 #include "runner/study_commands/recovery_words.h"
@@ -81,6 +82,8 @@ int command_backup(const BackupOptions& options) {
     const WorkLine working("copying " + options.study);
     const std::unique_ptr<Study> study = Study::open(options.study, Study::Access::read_only);
     report = back_up(*study, options.to, options.replace, [] { return interrupt_requested().load(); });
+    const bool sealed = !report.sessions.empty() && is_sealed(*study);
+    for (SessionInfo& session : report.sessions) session.head = shown_head(session, sealed);
   }
   if (report.interrupted) {
     write_message("jnd: interrupted; nothing was written\n");

@@ -67,9 +67,13 @@ class IdealRig final : public Rig {
     return presentation;
   }
   void neutral() noexcept override { ++neutral_calls; }
-  std::string missing() override { return clock_.now_ns() < gone_until_ns ? "device RRS3-0001 is not there" : ""; }
+  std::string missing() override { return missing_sealed().empty() ? "" : missing_sealed() + said; }
+  std::string missing_sealed() override {
+    return clock_.now_ns() < gone_until_ns ? "device RRS3-0001 is not there" : "";
+  }
 
   std::int64_t gone_until_ns = 0;
+  std::string said;  // by a program behind it, last
   std::function<Fault(const PresentRequest&)> fault = [](const PresentRequest&) { return Fault::none; };
   std::function<double(const PresentRequest&)> saturated_share = [](const PresentRequest&) { return 0.0; };
   std::function<int(const PresentRequest&)> contacts = [](const PresentRequest&) { return 0; };

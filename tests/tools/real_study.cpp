@@ -4,7 +4,9 @@
 // Usage: real_study FILE PROTOCOL SEED KIND FINISHED OPEN [HOW]
 //   KIND real, pilot or simulated; FINISHED whole sessions, then OPEN that stop in the middle. Participants P01, P02,
 //   ... of each kind; a file that exists is added to.
-//   HOW of the finished ones: whole (default); ended-early, for good in the middle; taken-back, their last answer.
+//   HOW of the finished ones: whole (default); ended-early, for good in the middle; taken-back, their last answer;
+//   by-place, with answers that follow from the trial's place alone.
+// Or: real_study --twin PROTOCOL SEED PARTICIPANTS prints the seed of a study that looks the same (tests/twin_plan.h).
 #include <exception>
 #include <filesystem>
 #include <string>
@@ -16,6 +18,7 @@
 #include "protocols/planning/plan.h"
 #include "protocols/reading/protocol_json.h"
 #include "tests/data/study_fixture.h"
+#include "tests/twin_plan.h"
 
 namespace jnd {
 
@@ -61,8 +64,8 @@ void one_session(Study& study, const Protocol& protocol, std::uint64_t seed, Ses
   int answered = 0;
   for (const Trial& trial : plan.trials) {
     if ((!whole || how == "ended-early") && answered++ * 2 > session.trials_total) break;
-    log->append(event_kind::kTrialCompleted, to_body(record_of(protocol, trial, answer_of(trial, number))),
-                stamp_of(trial));
+    const int answer = how == "by-place" ? trial.index % 2 : answer_of(trial, number);
+    log->append(event_kind::kTrialCompleted, to_body(record_of(protocol, trial, answer)), stamp_of(trial));
   }
   if (!whole) return;
   if (how == "ended-early") {
@@ -78,6 +81,11 @@ void one_session(Study& study, const Protocol& protocol, std::uint64_t seed, Ses
 }
 
 int run(int count, char** arguments) {
+  if (count == 5 && std::string(arguments[1]) == "--twin") {
+    fmt::print("{}\n",
+               test::twin_of(load_protocol(arguments[2]), std::stoull(arguments[3]), std::stoi(arguments[4])));
+    return 0;
+  }
   if (count != 7 && count != 8) {
     fmt::print(stderr, "usage: real_study FILE PROTOCOL SEED KIND FINISHED OPEN [HOW]\n");
     return 2;

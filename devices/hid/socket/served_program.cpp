@@ -43,9 +43,13 @@ std::string ServedProgram::end() {
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
   hear();
   const std::lock_guard lock(mutex_);
-  const std::string how = child_.end();
+  return fmt::format("has ended ({})", child_.end());
+}
+
+std::string ServedProgram::said() const {
+  const std::lock_guard lock(mutex_);
   const std::string& said = line_.empty() ? last_line_ : line_;
-  return fmt::format("has ended ({}){}{}", how, said.empty() ? "" : ", and said last: ", said);
+  return said.empty() ? std::string() : ", and said last: " + said;
 }
 
 // What is no printable ASCII becomes a question mark: it reaches terminals and JSON.

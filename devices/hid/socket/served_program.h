@@ -21,8 +21,10 @@ class ServedProgram {
   // Reads what it says, so that it never waits for a reader; the last line is kept.
   void hear() noexcept;
   bool has_exited() const noexcept;
-  // Its connection is closed: ends it where it does not end by itself. "has ended (exit code 3), and said last: ...".
+  // Its connection is closed: ends it where it does not end by itself. "has ended (exit code 3)".
   std::string end();
+  // ", and said last: ..."; empty where it said nothing. It may name the stimulus.
+  std::string said() const;
 
  private:
   void keep(std::string_view text);

@@ -64,10 +64,12 @@ class SocketBus::Source {
         known_ = info_of(device_, pages.identity());
       }
       trouble_.clear();
+      said_.clear();
       return known_;
     } catch (const DeviceError& error) {
       trouble_ = error.what();
       if (end_program()) trouble_ = words() + " " + how_it_ended_;
+      trouble_ += said_;
       return std::nullopt;
     }
   }
@@ -100,6 +102,7 @@ class SocketBus::Source {
     if (!program_ || (kept_ && !kept_->is_gone() && !is_over())) return false;
     kept_.reset();
     how_it_ended_ = program_->end();
+    said_ = program_->said();
     program_.reset();
     return true;
   }
@@ -119,6 +122,7 @@ class SocketBus::Source {
       how_it_ended_ = error.what();
       throw DeviceError(fmt::format("{} {}", words(), how_it_ended_));
     }
+    said_.clear();
     asked_first_ = true;
     kept_ = std::make_shared<SharedSocket>(std::move(ours), [program = program_] { program->hear(); });
     return kept_;
@@ -133,7 +137,7 @@ class SocketBus::Source {
   std::shared_ptr<SharedSocket> kept_;
   std::shared_ptr<ServedProgram> program_;
   std::optional<SocketTime> started_;
-  std::string how_it_ended_;
+  std::string how_it_ended_, said_;  // said_: by a program that has ended; never in what a session may show
   bool asked_first_ = false;
 };
 

@@ -1,6 +1,8 @@
 // When a study is blinded, by every fact that decides it.
 #include "data/study/blinding.h"
 
+#include <array>
+
 #include "data/study/study_admin.h"
 #include "tests/catch.h"
 #include "tests/data/study_fixture.h"
@@ -42,12 +44,14 @@ TEST_CASE("a study is blinded from its first real session to the planned number 
   CHECK(blinded(*study));
 }
 
-TEST_CASE("an open protocol, an unblinded study, pilot and simulated data are not blinded", "[blinding]") {
+TEST_CASE("an open protocol, an unblinded study, rehearsals without a real session are not blinded", "[blinding]") {
   const TemporaryFolder folder;
   const std::unique_ptr<Study> study = new_study(folder / "s.sqlite");
+  constexpr std::array kRehearsals = {SessionKind::pilot, SessionKind::simulated};
+  for (const SessionKind kind : kRehearsals) run_whole_session(*study, of_two(), 1, kind);
+  for (const SessionKind kind : kRehearsals) CHECK_FALSE(blinded(*study, kind));
   run_whole_session(*study, of_two(), 1, SessionKind::real);
-  CHECK_FALSE(blinded(*study, SessionKind::pilot));
-  CHECK_FALSE(blinded(*study, SessionKind::simulated));
+  for (const SessionKind kind : kRehearsals) CHECK(blinded(*study, kind));
   Protocol open = of_two();
   open.blinded = false;
   CHECK_FALSE(blinding_of(*study, open, SessionKind::real).blinded);
@@ -55,6 +59,7 @@ TEST_CASE("an open protocol, an unblinded study, pilot and simulated data are no
   CHECK(plan_sealed(*study, of_two()));
   unblind(*study, "the interim look that was registered", kLater);
   CHECK_FALSE(blinded(*study));
+  CHECK_FALSE(blinded(*study, SessionKind::pilot));
   CHECK_FALSE(plan_sealed(*study, of_two()));
 }
 

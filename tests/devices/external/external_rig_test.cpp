@@ -225,6 +225,15 @@ TEST_CASE("a rig that cannot be started is told, and how often it was tried") {
   CHECK(rig.render(example_request()).voided->failure == RigFailure::ended);
 }
 
+TEST_CASE("what a rig says itself is in what is missing, but not while that is sealed") {
+  ExternalRig rig(settings_for({"sh", "-c", "echo 'presenting 575 N/m' >&2; exit 3"}), kSteady);
+  while (rig.missing().find("it said last: presenting 575 N/m") == std::string::npos)
+    (void)rig.wait(kSteady.now_ns() + 20'000'000);
+  CHECK(rig.report().trouble.find("575") != std::string::npos);  // for the log
+  CHECK(rig.missing_sealed().find("(exit code 3)") != std::string::npos);
+  CHECK(rig.missing_sealed().find("said") == std::string::npos);
+}
+
 TEST_CASE("a rig behind a Unix socket is connected to, and again after it went away") {
   const TemporaryFolder folder;
   const std::string path = (folder / "rig.sock").string();

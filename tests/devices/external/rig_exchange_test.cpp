@@ -384,6 +384,8 @@ TEST_CASE("a fault with an id voids one presentation, a fault without one ends t
   talk.say(R"({"type":"fault","cause":"no power"})");
   REQUIRE(talk.exchange.lost());
   CHECK(talk.exchange.lost()->failure == RigFailure::rig_fault);
+  CHECK(talk.exchange.lost()->words == "the rig says: no power");
+  CHECK(talk.exchange.lost()->sealed == "the rig reports a fault");
 }
 
 TEST_CASE("babble is a fault") {
@@ -394,6 +396,7 @@ TEST_CASE("babble is a fault") {
   talk.say("beep");
   REQUIRE(talk.exchange.lost());
   CHECK(talk.exchange.lost()->failure == RigFailure::babbling);
+  CHECK(talk.exchange.lost()->words.starts_with(talk.exchange.lost()->sealed + ", the last: "));
   CHECK(talk.exchange.refused_lines().size() == kRefusedLinesKept);
 }
 
@@ -408,6 +411,7 @@ TEST_CASE("a hello that is refused gives the reason when the time is over") {
   CHECK(exchange.lost()->failure == RigFailure::no_hello);
   CHECK(exchange.lost()->words.find("the last line was refused: ") != std::string::npos);
   CHECK(exchange.lost()->words.find("name") != std::string::npos);
+  CHECK(exchange.lost()->sealed.find("refused") == std::string::npos);
 }
 
 TEST_CASE("another rig behind the same command is not taken for the first") {

@@ -107,6 +107,8 @@ TEST_CASE("a program that ends is told with its exit code and its last words, an
       starts.folder(), kOneFinger, kHere, clock);
   REQUIRE(wait_until([&] { return has(tracker.missing(), "exit code 3"); }));
   CHECK(has(tracker.missing(), "no licence ??? found"));  // what is no ASCII stays out of logs
+  CHECK(has(tracker.missing_sealed(), "exit code 3"));
+  CHECK_FALSE(has(tracker.missing_sealed(), "licence"));
   CHECK_FALSE(tracker.report()->connected);
   CHECK(has(tracker.report()->trouble, "exit code 3"));
   CHECK(tracker.report()->poses >= 1);  // what it wrote last was heard

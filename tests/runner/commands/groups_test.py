@@ -122,9 +122,9 @@ class Groups(program.Case):
         for text in told:
             for word in ("expert", "novice", "ten years of it"):
                 self.assertNotIn(word, text)
-        # A pilot session of that number has the same group, which stays sealed as well.
-        self.jnd("run", protocol, "--study", "s.sqlite", "--participant", "P09", "--kind", "pilot", *BY_HAND, keys=(" " * 3 + "1") * 4)
-        self.jnd("export", "s.sqlite", "--to", "pilot", "--kind", "pilot")
+        # A pilot session of that number has the same group: a rehearsal alone in its file is not in code, and does not tell it.
+        self.jnd("run", protocol, "--study", "alone.sqlite", "--participant", "P09", "--kind", "pilot", *BY_HAND, keys=(" " * 3 + "1") * 4)
+        self.jnd("export", "alone.sqlite", "--to", "pilot", "--kind", "pilot")
         for name in ("sessions", "estimates", "counts"):
             self.assertEqual({row["group"] for row in self.rows(f"pilot/{name}.csv")}, {""}, name)
         # A simulated participant of that number would show it.

@@ -239,9 +239,14 @@ class Tasks(program.Case):
         starts = [trial["stimuli"][1] for trial in plan]
         self.assertEqual(sorted(starts), [500, 1200])
         keys = "".join(" " * 3 + ("2" if start == 500 else "1") + " " * 2 + "0" for start in starts)
-        screen = self.jnd("run", protocol, "--study", "s.sqlite", "--participant", "P01", "--rig", "specimens", "--kind", "pilot",
-                          "--plain", "--seed", 4, "--override-readiness", "a machine that runs tests", keys=keys)
+        def played(study):
+            return self.jnd("run", protocol, "--study", study, "--participant", "P01", "--rig", "specimens", "--kind", "pilot",
+                            "--plain", "--seed", 4, "--override-readiness", "a machine that runs tests", keys=keys)
+        screen = played("s.sqlite")
         self.assertEqual(screen.count("Hand over"), 8, screen)
+        self.assertRegex(screen, r"saved: trial 1, 800, \d+\.\d\d s")
+        protocol.write_text(protocol.read_text().replace('"blinding": "open"', '"blinding": "coded"'))
+        self.assertRegex(played("coded.sqlite"), r"saved: trial 1, \d+\.\d\d s")  # the value is a stimulus
         self.jnd("verify", "s.sqlite", "--deep")
         self.jnd("export", "s.sqlite", "--to", "s", "--kind", "pilot")
         rows = self.trials("s")

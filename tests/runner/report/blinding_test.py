@@ -4,7 +4,9 @@ import collections
 import json
 import os
 import re
+import shutil
 import sys
+import time
 
 sys.path.append(__file__.rpartition("/tests/")[0] + "/tests")
 import program
@@ -217,11 +219,16 @@ class Blinding(program.Case):
         self.assertIn(NAMES[0], self.jnd("analyze", "s.sqlite"))
         self.assertIn(SEED, self.jnd("status", "s.sqlite"))
 
-    def test_pilot_and_simulated_data_are_never_coded(self):
+    def test_rehearsals_that_stand_alone_are_not_coded(self):
         for kind in ("pilot", "simulated"):
             self.study(kind, 2, 1)
             text = self.jnd("analyze", "s.sqlite", "--kind", kind)
             self.says(text, *NAMES)
+            # Trial by trial a rehearsal is the plan that people are to have in the same file.
+            page = self.jnd("report", "s.sqlite")
+            self.says(page, *NAMES)
+            self.assertEqual("Every answer" in page, kind == "simulated")
+            self.jnd("report", "s.sqlite", "--to", "press.html", "--press", "P01:9", code=2)
             if kind == "simulated":
                 self.assertIn(SEED, text)
                 self.jnd("export", "s.sqlite", "--kind", kind, "--to", kind)
@@ -241,20 +248,130 @@ class Blinding(program.Case):
         self.assertRegex(status, r"pilot +open ")
         self.jnd("simulate", "protocol.json", "--study", "s.sqlite", code=2)
 
-    def test_rehearsals_beside_real_sessions_keep_their_names_but_not_the_common_plan(self):
-        self.study("pilot", 2, 0)
-        self.study("real", 2, 1)
-        for arguments in (("analyze", "s.sqlite", "--kind", "pilot"), ("report", "s.sqlite", "--kind", "pilot")):
-            text = self.jnd(*arguments)
-            self.assertIn(NAMES[0], text)
-            self.assertNotIn(SEED, text)
-        text = self.jnd("export", "s.sqlite", "--kind", "pilot", "--to", "x")
-        self.assertNotIn(SEED, text)
-        for name in ("trials", "intervals", "voided", "answers"):  # answers name the condition that a block had
-            self.assertFalse(os.path.exists(self.folder / "x" / f"{name}.csv"), name)
-            self.assertNotIn(f"{name}.csv", self.named("x/dictionary.csv"))
-            self.assertNotIn(f"{name}.csv", self.named("x/datapackage.json"))
-        self.jnd("export", "s.sqlite", "--kind", "pilot", "--to", "y", "--telemetry", code=2)
+    def test_rehearsals_beside_real_sessions_are_coded_too(self):
+        """Participant n of every kind has the same plan: by name, trial by trial, it would decode all letters."""
+        for kind in ("pilot", "simulated", "real"):
+            self.study(kind, 3, 1)
+        for kind in ("pilot", "simulated"):
+            for arguments in (("analyze", "s.sqlite"), ("analyze", "s.sqlite", "--json"), ("report", "s.sqlite", "--to", f"{kind}.html"),
+                              ("export", "s.sqlite", "--to", kind)):
+                self.assert_silent(self.jnd(*arguments, "--kind", kind), arguments)
+            result = json.loads(self.jnd("analyze", "s.sqlite", "--kind", kind, "--json"))
+            self.assertEqual((result["kind"], len(result["participants"]), result["group"]), (kind, 4, []))
+            self.assertFalse(os.path.exists(self.folder / f"{kind}-figures"))
+            for refused in (("report", "s.sqlite", "--to", "x.html", "--press", "P01:9"), ("analyze", "s.sqlite", "--cells"),
+                            ("export", "s.sqlite", "--to", "x", "--telemetry")):
+                self.assert_silent(self.jnd(*refused, "--kind", kind, code=2), refused)
+        self.jnd("unblind", "s.sqlite", "--reason", "the registered interim look")
+        self.says(self.jnd("report", "s.sqlite", "--to", "open.html", "--kind", "pilot"), *NAMES)
+
+    def test_an_open_session_has_no_head(self):
+        """From one trial to the next it would be the hash of a single event."""
+        self.study("real", 1, 1)
+        shown = {row["participant"]: row["head"] for row in json.loads(self.jnd("status", "s.sqlite", "--json"))["sessions"]}
+        self.assertEqual((len(shown["P01"]), shown["P02"]), (64, None))
+        self.jnd("export", "s.sqlite", "--to", "x")
+        self.assertEqual([len(row["head"]) for row in self.rows("x", "sessions.csv")], [64, 0])
+        copied = json.loads(self.jnd("backup", "s.sqlite", "--to", "copy.sqlite", "--json").split("\n")[0])
+        self.assertEqual([len(row["head"]) for row in copied["heads"]], [64, 0])
+
+
+# What arguments and options take; words alone, and 1 for everything else. A new command needs nothing here.
+TAKES = {"STUDY": ["s.sqlite"], "STUDIES": [("s.sqlite", "other.sqlite")], "DAMAGED": ["s.sqlite"], "FILE": ["new"],
+         "FOLDER": ["new"], "PROTOCOL": ["protocol.json"], "CODE": ["P01"], "CODE:TRIAL": ["P01:9"]}
+TAKEN_BY = {"studies": {"FOLDER": ["."]}, "watch": {"--once": [()]}, "plan": {"PROTOCOL": [()]}}
+# They open no study; sessions of `run` are played in twin_session_test.cpp, on a clock of the test's own.
+WITHOUT_STUDY = {"init", "new", "check", "combine", "cluster", "diff", "device", "doctor", "calc", "completions", "man", "run"}
+REFUSED = {"simulate", "merge"}  # while it is blinded; of the same participants twice
+# A study's size is unavoidable (runner/README.md); everything beside it is compared.
+SIZES = {"backup": r'\d+ bytes|"bytes":\d+', "recover": r'\d+ of \d+ pages|"pages":\d+'}
+BEGAN = 1_700_000_001  # the first session of real_study, in seconds of UTC
+
+
+class Twins(program.Case):
+    """Two studies that look the same (twin_plan.h), with the same answers at the same times: until they are unblinded nothing that
+    any command gives tells one from the other."""
+
+    def make_twins(self, finished, participants):
+        self.write("protocol.json", protocol_text(6))
+        twin = program.run("--twin", "protocol.json", SEED, participants, program=REAL_STUDY, folder=self.folder).stdout.strip()
+        for name, seed in (("a", SEED), ("b", twin)):
+            for kind in ("real", "pilot", "simulated"):
+                program.run(f"{name}.sqlite", "protocol.json", seed, kind, finished, participants - finished, "by-place",
+                            program=REAL_STUDY, folder=self.folder)
+
+    def given(self, name, arguments):
+        """Exit code, both streams, and every file but studies. Hashes are masked by their form, and nothing else is."""
+        place = self.folder / "place"
+        shutil.rmtree(place, ignore_errors=True)
+        place.mkdir()
+        for study in ("s", "other"):
+            shutil.copy(self.folder / f"{name}.sqlite", place / f"{study}.sqlite")
+        shutil.copy(self.folder / "protocol.json", place)
+        done = program.run(*arguments, folder=place, code=None, env={"BROWSER": "true"})
+        files = [f"{path.relative_to(place)}\n" + ("" if path.read_bytes().startswith(b"SQLite format") else path.read_text())
+                 for path in sorted(place.rglob("*")) if path.is_file()]
+        return re.sub(r"\b[0-9a-f]{64}\b", "HASH", "\n".join([str(done.returncode), done.stdout, done.stderr, *files]))
+
+    def both(self, arguments):
+        """Of both studies, within the same minute of what `watch` counts since a session began."""
+        minute = lambda: (time.time() - BEGAN) // 60
+        began, texts = None, []
+        while began != minute():
+            began, texts = minute(), [self.given(study, arguments) for study in "ab"]
+        return texts
+
+    def calls(self):
+        """Every command that may open a study, with each option alone and beside each kind of session."""
+        def words(name, what, value):
+            taken = TAKEN_BY.get(name, {}).get(what) or ([()] if not value else TAKES.get(value) or
+                                                         (value.split("|") if value.islower() else ["1"]))
+            return [[one] if isinstance(one, str) else [*one] for one in taken]
+
+        tree = re.search(r'contains -- "\$command \$word" (.*)', self.jnd("completions", "fish").stdout)[1]
+        for name in re.findall(r"'jnd ([^']*)'", tree):
+            if name.split()[0] in WITHOUT_STUDY:
+                continue
+            shown = self.jnd("help", *name.split()).stdout
+            base, ways = name.split(), [[]]
+            for argument in re.findall(r"^  ([A-Z]+)(?:\.\.\.)?  ", shown.partition("Options:")[0], re.M):
+                base += words(name, argument, argument)[0]
+            for option, value, what in re.findall(r"^  (--[\w-]+)(?: (\S+))?((?:\n?  +.*?)*?)(?=\n  --|\n\n)", shown, re.M):
+                given = [[option, *one] for one in words(name, option, value)]
+                if "required: " in what or option == "--study" or option in TAKEN_BY.get(name, {}):
+                    base += given[0]
+                elif option != "--help":
+                    ways += given
+            kinds = [way for way in ways if way[:1] == ["--kind"]]
+            for way in ways + [way + kind for way in ways[1:] if way not in kinds for kind in kinds]:
+                yield name, [*base, *way]
+
+    def test_no_command_tells_two_studies_apart_that_look_the_same(self):
+        self.make_twins(1, 2)
+        called, done = set(), set()
+        for name, arguments in self.calls():
+            with self.subTest(arguments=arguments):
+                one, other = self.both(arguments)
+                if arguments[0] in SIZES:
+                    one, other = (re.sub(SIZES[arguments[0]], "SIZE", text) for text in (one, other))
+                self.assertEqual(one, other)
+                called.add(name)
+                done |= {name} if one.startswith("0\n") else set()
+        self.assertEqual(called - done, REFUSED)
+        self.assertLess({"status", "plan", "analyze", "report", "export"}, done)
+        for study in "ab":  # they are two: unblinded, they differ
+            self.jnd("unblind", f"{study}.sqlite", "--reason", "this test")
+        for arguments in (["status", "s.sqlite"], ["plan", "--study", "s.sqlite"], ["analyze", "s.sqlite"],
+                          ["export", "s.sqlite", "--to", "new", "--kind", "pilot"], ["report", "s.sqlite", "--kind", "simulated"]):
+            self.assertNotEqual(*self.both(arguments))
+
+    def test_from_three_participants_on_means_by_letter_differ_and_nothing_else(self):
+        self.make_twins(3, 3)
+        for kind in ("real", "pilot", "simulated"):
+            one, other = (program.parse(text.split("\n")[1])
+                          for text in self.both(["analyze", "s.sqlite", "--kind", kind, "--json"]))
+            self.assertEqual(one.pop("group") == other.pop("group"), kind != "real")
+            self.assertEqual(one, other)
 
 
 if __name__ == "__main__":

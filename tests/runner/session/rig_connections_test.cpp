@@ -28,7 +28,8 @@ class PluggedRig final : public Rig {
     return inside_.present(request);
   }
   void neutral() noexcept override { inside_.neutral(); }
-  std::string missing() override { return absent() ? "device RRS3-0001 is not there" : ""; }
+  std::string missing() override { return absent() ? missing_sealed() + ", and said last: 575 N/m" : ""; }
+  std::string missing_sealed() override { return absent() ? "device RRS3-0001 is not there" : ""; }
   RigConnections connections() const override {
     DeviceLinkReport device;
     device.serial = "RRS3-0001";
@@ -80,7 +81,7 @@ struct Scene {
   SessionEnd run(SessionView& view, bool person) {
     const SessionParts parts{
         bench.protocol,   bench.plan,           rig,   bench.responder, bench.log, bench.clock, view,
-        bench.interrupts, RecordPolicy::events, person};
+        bench.interrupts, RecordPolicy::events, person, sealed};
     return SessionEngine(parts).run(replay(bench.log.events()), {});
   }
   std::vector<nlohmann::ordered_json> bodies(std::string_view kind) const {
@@ -99,6 +100,7 @@ struct Scene {
   PluggedRig rig{bench.rig};
   std::int64_t back_ns = 0;
   double away_s = 100;
+  bool sealed = true;
   std::function<bool(int)> pulled = [](int presented) { return presented == 3; };
 };
 
@@ -123,6 +125,17 @@ TEST_CASE("A device that is pulled out is waited for, and the session goes on by
   CHECK(voided[0].at("counts") == false);
   CHECK(scene.bench.completed().size() == 16);
   CHECK(scene.bench.rig.neutral_calls >= 1);
+}
+
+TEST_CASE("What a rig's program says is told where nothing is sealed, and nowhere else") {
+  for (const bool sealed : {true, false}) {
+    Scene scene;
+    Waiting person(scene.bench.clock, true);
+    scene.sealed = sealed;
+    REQUIRE(scene.run(person, true) == SessionEnd::interrupted);
+    REQUIRE(person.told.size() == 1);
+    CHECK((person.told[0].find("575") == std::string::npos) == sealed);
+  }
 }
 
 TEST_CASE("However often it is pulled out, no attempt is used up and nothing is presented meanwhile") {

@@ -299,6 +299,11 @@ TEST_CASE("a program that cannot serve is named, with its last words, and starte
     return contains(bus.absent(), "has ended (exit code 3), and said last: no?hardware");
   }));
   for (int i = 0; i < 30; ++i) CHECK(bus.list().empty());
+  try {
+    (void)bus.open("program:thumb");
+  } catch (const DeviceError& error) {  // what a session is told
+    CHECK_FALSE(contains(error.what(), "hardware"));
+  }
   const auto passed = std::chrono::steady_clock::now() - begun;
   const std::uintmax_t starts = std::filesystem::file_size(started) / 2;
   CHECK(starts <= 1 + static_cast<std::uintmax_t>(passed / std::chrono::seconds(1)));
