@@ -100,6 +100,7 @@ void SessionEngine::carry_out(const step::Present& due) {
 bool SessionEngine::ready(const Trial& next, const TrialOutline& outline) {
   for (;;) {
     const OperatorRequest request = settle(parts_, recorder_, after_trial(), [&] {
+      conductor_.get_ready(next, outline);
       (void)conductor_.rested();  // a note or a pause leaves its rest
       return parts_.view.ready(outline);
     });
