@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <vector>
 
 #include "protocols/protocol.h"
 
@@ -33,5 +35,17 @@ struct Deliveries {
     off += is_as_asked(asked, delivered, largest) ? 0 : 1;
   }
 };
+
+inline Deliveries deliveries_of(const std::vector<TrialRecord>& trials, const Protocol& protocol) {
+  Deliveries deliveries;
+  const double largest = largest_value(protocol);
+  for (const TrialRecord& record : trials)
+    for (std::size_t i = 0; i < record.presentations.size(); ++i) {
+      const bool set = i + 1 == record.presentations.size() && !record.settings.empty();  // by the participant
+      if (const std::optional<double>& delivered = record.presentations[i].delivered)
+        deliveries.add(set ? record.settings.back() : record.trial.stimuli[i], *delivered, largest);
+    }
+  return deliveries;
+}
 
 }  // namespace jnd

@@ -154,6 +154,17 @@ StudyResults results_of(const Study& study, const Protocol& protocol, SessionKin
     for_counted_trials(study, protocol, sessions_of(study, kind),
                        [&](const CountedTrial& trial) { results.off_prescription += trial.off_prescription ? 1 : 0; });
   }
+  if (protocol.rig.device == kExternalRig) {
+    const double largest = largest_value(protocol);
+    const bool adjusts = task_of(protocol.task.kind).adjusts();
+    for_counted_trials(study, protocol, sessions_of(study, kind), [&](const CountedTrial& trial) {
+      for (std::size_t i = 0; i < trial.asked.size(); ++i) {
+        const bool set = adjusts && i + 1 == trial.asked.size() && trial.number;  // by the participant
+        const double delivered = trial.cues[i].measured;
+        if (!std::isnan(delivered)) results.deliveries.add(set ? *trial.number : trial.asked[i], delivered, largest);
+      }
+    });
+  }
   if (protocol.analysis.hierarchical) add_hierarchical(results, protocol);
   add_cautions(results, protocol);
   if (results.groups && protocol.allotment == Allotment::balanced && plan_sealed(study, protocol)) {

@@ -219,9 +219,13 @@ int command_check(const CheckOptions& options) {
   bool all_ok = true;
   for (const std::string& name : options.protocols) {
     CheckedFile result = check_with_word(name);
-    if (!options.rig.empty() && result.check.errors.empty())
-      for (std::string& problem : ask_rig_of(options.rig, *result.check.protocol).problems)
+    if (!options.rig.empty() && result.check.errors.empty()) {
+      AskedRig asked = ask_rig_of(options.rig, *result.check.protocol);
+      for (std::string& problem : asked.problems)
         result.check.errors.push_back({name, 0, 0, "$.rig", std::move(problem), ""});
+      for (std::string& caution : asked.cautions)
+        result.check.warnings.push_back({name, 0, 0, "$.rig", std::move(caution), ""});
+    }
     all_ok = all_ok && result.check.errors.empty();
     if (options.json)
       print_check_json(result);

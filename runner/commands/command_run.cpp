@@ -192,10 +192,11 @@ SessionCard card_of(const Protocol& protocol, const RunOptions& options, const S
 }
 
 SessionSummary summary_of(Study& study, const std::string& session, const RunOptions& options, const Plan& plan,
-                          const Rig& rig, SessionEnd end, double run_s) {
+                          const Rig& rig, SessionEnd end, double run_s, const Deliveries& deliveries) {
   SessionSummary summary;
   summary.study = options.study;
   summary.run_s = run_s;
+  summary.deliveries = deliveries;
   summary.resumable = end == SessionEnd::interrupted;
   summary.free_interaction = !plan.explorations.empty();
   for (const SessionInfo& info : study.sessions()) {
@@ -350,9 +351,12 @@ int command_run(const RunOptions& options) {
   };
   SessionEnd end = SessionEnd::interrupted;
   std::string missing;  // of the rig, where that ended it
+  Deliveries deliveries;
   try {
-    end = SessionEngine(parts).run(replay(opened.log->events()),
-                                   {person && target.check.redo_block, person && target.check.practice_again});
+    SessionEngine engine(parts);
+    end = engine.run(replay(opened.log->events()),
+                     {person && target.check.redo_block, person && target.check.practice_again});
+    deliveries = deliveries_of(engine.course().state().completed, protocol);
     missing = person ? "" : rig->missing();
     note_connections(parts, recorder, "closed");
     tell_failures(sound.get(), *console);
@@ -363,7 +367,7 @@ int command_run(const RunOptions& options) {
   }
   const std::string summary =
       "\n" + summary_text(summary_of(*study, opened.id, options, plan, *rig, end,
-                                     static_cast<double>(machine_clock.now_ns() - began_ns) * 1e-9));
+                                     static_cast<double>(machine_clock.now_ns() - began_ns) * 1e-9, deliveries));
   if (end == SessionEnd::interrupted) {
     study->close();
     last_words((missing.empty() ? "" : tr("Missing: {}.", printable(missing)) + "\n") +

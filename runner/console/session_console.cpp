@@ -334,6 +334,10 @@ void SessionConsole::off_prescription(const TrialOutline& outline) {
   display_->tell(Tone::warning, tr("{} was not felt as prescribed; it is marked", full_name_of(outline)));
 }
 
+void SessionConsole::not_as_asked(const Deliveries& deliveries) {
+  display_->tell(Tone::warning, not_as_asked_text(deliveries));
+}
+
 void SessionConsole::voided(const TrialOutline& outline, const std::string& reason, bool will_repeat) {
   if (reason == "off_prescription") prescribed_.clear();
   ++counts_.voids;
