@@ -1,6 +1,7 @@
 #include "data/results/study_results.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "data/results/rating_answers.h"

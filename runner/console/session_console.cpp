@@ -9,6 +9,7 @@
 #include "devices/hid/buttons/button_box.h"
 #include "protocols/course/prescription.h"
 #include "protocols/tasks/task.h"
+#include "runner/console/session_summary.h"
 #include "runner/console/session_words.h"
 #include "runner/session/session_listener.h"
 #include "runner/terminal/terminal.h"

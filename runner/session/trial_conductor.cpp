@@ -10,6 +10,7 @@
 #include "devices/loop/telemetry_ring.h"
 #include "protocols/condition_words.h"
 #include "protocols/course/prescription.h"
+#include "protocols/planning/specimen_codes.h"
 #include "protocols/tasks/task.h"
 #include "runner/session/device_health.h"
 #include "runner/session/rig_connections.h"
@@ -25,9 +26,9 @@ constexpr double kTap_s = 0.15;  // the burst of 100 ms, and its end
 // A trial whose answers accept nothing after so many looks comes again.
 constexpr int kMostLooks = 200;
 
-// What the operator hands over. Of several specimens of a value the trials take turns, and a trial that has the value
-// twice has two of them, so that no code says how often a value comes.
-HandOver specimens_of(const Trial& trial, const Intervals& stimuli, int interval, const Protocol& protocol) {
+// What the operator hands over.
+HandOver specimens_of(const Trial& trial, const Intervals& stimuli, int interval, const Protocol& protocol,
+                      const std::vector<std::string>& codes) {
   static constexpr std::array<const char*, 2> kSides = {"left", "right"};
   static constexpr std::array<const char*, kMostIntervals> kTurns = {"first", "second", "third"};
   const bool together = protocol.task.together;
@@ -35,12 +36,7 @@ HandOver specimens_of(const Trial& trial, const Intervals& stimuli, int interval
   what.condition = condition_words(protocol.conditions[static_cast<std::size_t>(trial.condition)]);
   for (std::size_t i = 0; i < stimuli.size(); ++i) {
     if (!together && static_cast<int>(i) != interval) continue;
-    const auto before = std::count(stimuli.begin(), stimuli.begin() + i, stimuli[i]);
-    for (const Specimen& specimen : protocol.rig.specimens) {
-      if (specimen.value != stimuli[i]) continue;
-      const std::size_t turn = static_cast<std::size_t>(trial.index + before) % specimen.codes.size();
-      what.items.push_back({together ? kSides[i] : stimuli.size() > 1 ? kTurns[i] : "", specimen.codes[turn]});
-    }
+    what.items.push_back({together ? kSides[i] : stimuli.size() > 1 ? kTurns[i] : "", codes[i]});
   }
   return what;
 }
@@ -266,7 +262,9 @@ void TrialConductor::log_void(const Trial& trial, int attempt, const std::string
 bool TrialConductor::hand_over(const Attempt& attempt, int interval) {
   const Protocol& protocol = parts_.protocol;
   if (protocol.rig.device != kSpecimenRig || !parts_.person) return true;
-  const HandOver what = specimens_of(attempt.trial, attempt.stimuli, interval, protocol);
+  const HandOver what = specimens_of(
+      attempt.trial, attempt.stimuli, interval, protocol,
+      specimen_codes(protocol, parts_.plan, attempt.trial.index, attempt.outline.attempt, attempt.stimuli));
   for (;;) {
     const OperatorRequest request = parts_.view.hand_over(what);
     if (request.kind == Request::go_on) return true;
