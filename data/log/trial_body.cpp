@@ -67,11 +67,9 @@ struct TrialBodyReader::Impl {
 
 IntervalCues TrialBodyReader::Impl::interval(od::value presentation) const {
   Mean fitted, work, dwell;
-  double peak = kNaN, measured = kNaN;
+  double peak = kNaN;
   for (od::field entry : presentation.get_object()) {
-    const std::string_view kind = raw_key(entry);
-    if (kind == "delivered") measured = number(entry.value());
-    if (kind != "fingers") continue;
+    if (raw_key(entry) != "fingers") continue;
     for (auto finger : entry.value().get_array()) {
       for (od::field member : finger.get_object()) {
         const std::string_view key = raw_key(member);
@@ -87,7 +85,7 @@ IntervalCues TrialBodyReader::Impl::interval(od::value presentation) const {
       }
     }
   }
-  return {fitted.value(), peak, work.value(), dwell.value(), measured};
+  return {fitted.value(), peak, work.value(), dwell.value()};
 }
 
 unsigned TrialBodyReader::Impl::field(std::string_view key, od::value value, CountedTrial& trial) const {
@@ -155,7 +153,7 @@ CountedTrial TrialBodyReader::read(std::string_view body) {
     padded.resize(2 * body.size() + simdjson::SIMDJSON_PADDING);
   std::memcpy(padded.data(), body.data(), body.size());
   CountedTrial trial;
-  trial.cues.fill({kNaN, kNaN, kNaN, kNaN, kNaN});
+  trial.cues.fill({kNaN, kNaN, kNaN, kNaN});
   trial.asked = Intervals({});
   try {
     od::document document =

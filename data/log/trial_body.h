@@ -17,7 +17,6 @@ struct IntervalCues {
   double peak_force_n = 0;  // the largest of a device
   double work_j = 0;
   double dwell_s = 0;
-  double measured = 0;  // what a rig of the laboratory's own says that it delivered
 };
 
 // What counts and times are made of.

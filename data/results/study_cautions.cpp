@@ -199,11 +199,6 @@ std::vector<std::string> deviations_of(const StudyResults& results, const Protoc
 
 std::vector<std::string> cautions_of(const StudyResults& results, const Protocol& protocol) {
   std::vector<std::string> out;
-  if (const Deliveries& deliveries = results.deliveries; deliveries.off > 0)
-    out.push_back(fmt::format(
-        "By its own measure the rig did not deliver what was asked in {} intervals (more than {:.0f} % off): what was felt "
-        "there is not what these numbers assume.",
-        share(deliveries.off, deliveries.measured), 100 * kDeliveryTolerance));
   if (const auto* constant = std::get_if<ConstantResults>(&results.measured)) {
     add_rate_cautions(constant->analysis, out);
     add_threshold_cautions(constant->analysis, protocol, out);

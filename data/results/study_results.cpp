@@ -1,13 +1,16 @@
 #include "data/results/study_results.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
+#include <fmt/format.h>
+
+#include "data/log/replay.h"
 #include "data/results/rating_answers.h"
 #include "data/results/study_cautions.h"
 #include "data/study/blinding.h"
 #include "protocols/course/prescription.h"
+#include "protocols/delivery.h"
 #include "protocols/planning/allotment.h"
 
 namespace jnd {
@@ -116,6 +119,22 @@ StudyResults computed_results_of(const Study& study, const Protocol& protocol, S
   return constant_results_of(study, protocol, kind, by);
 }
 
+// Of a rig of the laboratory's own, which says itself what it delivered; empty: as asked, or it measures nothing.
+std::string delivery_caution(const Study& study, const Protocol& protocol, SessionKind kind) {
+  if (protocol.rig.device != kExternalRig || kind == SessionKind::simulated) return {};
+  Deliveries all;
+  for (const SessionInfo& session : sessions_of(study, kind)) {
+    const Deliveries its = deliveries_of(replay(study.events(session.id)).completed, protocol);
+    all.measured += its.measured;
+    all.off += its.off;
+  }
+  if (all.off == 0) return {};
+  return fmt::format(
+      "By its own measure the rig did not deliver what was asked in {} of {} intervals (more than {:.0f} % off): what was "
+      "felt there is not what these numbers assume.",
+      all.off, all.measured, 100 * kDeliveryTolerance);
+}
+
 }  // namespace
 
 namespace {
@@ -155,19 +174,10 @@ StudyResults results_of(const Study& study, const Protocol& protocol, SessionKin
     for_counted_trials(study, protocol, sessions_of(study, kind),
                        [&](const CountedTrial& trial) { results.off_prescription += trial.off_prescription ? 1 : 0; });
   }
-  if (protocol.rig.device == kExternalRig) {
-    const double largest = largest_value(protocol);
-    const bool adjusts = task_of(protocol.task.kind).adjusts();
-    for_counted_trials(study, protocol, sessions_of(study, kind), [&](const CountedTrial& trial) {
-      for (std::size_t i = 0; i < trial.asked.size(); ++i) {
-        const bool set = adjusts && i + 1 == trial.asked.size() && trial.number;  // by the participant
-        const double delivered = trial.cues[i].measured;
-        if (!std::isnan(delivered)) results.deliveries.add(set ? *trial.number : trial.asked[i], delivered, largest);
-      }
-    });
-  }
   if (protocol.analysis.hierarchical) add_hierarchical(results, protocol);
   add_cautions(results, protocol);
+  if (const std::string words = delivery_caution(study, protocol, kind); !words.empty())
+    results.cautions.insert(results.cautions.begin(), words);
   if (results.groups && protocol.allotment == Allotment::balanced && plan_sealed(study, protocol)) {
     std::visit(ForgetGroups{}, results.measured);
     if (results.hierarchical)

@@ -19,7 +19,6 @@
 #include "data/task_results/study_sureness.h"
 #include "data/task_results/task_results.h"
 #include "data/verify/chain_check.h"
-#include "protocols/delivery.h"
 #include "protocols/protocol.h"
 
 namespace jnd {
@@ -52,7 +51,6 @@ struct StudyResults {
   QuestionnaireResults questionnaire;               // what was answered to questions
   std::vector<AnswersOf> answers;       // by participant; not above kMostInDetail of them, nor of counts alone
   int off_prescription = 0;             // answered trials that broke a limit of the prescription
-  Deliveries deliveries{};              // of the laboratory's own rig, in answered trials
   std::vector<std::string> deviations;  // from what was registered
   std::vector<std::string> cautions;    // where the design cannot carry the number
 };

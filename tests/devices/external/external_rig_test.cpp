@@ -140,7 +140,8 @@ std::string endure(const std::string& fault, int seed) {
         settings_for({"env", token, "python3", kHostile.string(), fault, std::to_string(seed), folder.path().string()});
     settings.time_outs.prepare_s = 0.5;
     if (fault == "silent_from_the_start" || fault == "bad_hello") settings.time_outs.hello_s = 3;
-    ExternalRig rig(settings, kSteady);
+    EmergencyStop stop;
+    ExternalRig rig(settings, kSteady, stop);
     RenderRequest request = example_request();
     request.parameters.clear();
     request.time_out_s = 0.5;
@@ -171,7 +172,8 @@ std::string endure(const std::string& fault, int seed) {
 }  // namespace
 
 TEST_CASE("the shipped rig presents what it is asked for") {
-  ExternalRig rig(settings_for({"python3", (kExamples / "plain_rig.py").string()}), kSteady);
+  EmergencyStop stop;
+  ExternalRig rig(settings_for({"python3", (kExamples / "plain_rig.py").string()}), kSteady, stop);
   REQUIRE(rig.await_hello(kLong_s));
   CHECK(rig.hello()->name == "Plain rig");
   int heard = 0;
@@ -192,7 +194,8 @@ TEST_CASE("the shipped rig presents what it is asked for") {
 }
 
 TEST_CASE("the stop latch stops an external rig, and nothing is presented until it is cleared") {
-  ExternalRig rig(settings_for({"python3", (kExamples / "plain_rig.py").string()}), kSteady);
+  EmergencyStop stop;
+  ExternalRig rig(settings_for({"python3", (kExamples / "plain_rig.py").string()}), kSteady, stop);
   REQUIRE(rig.await_hello(kLong_s));
   RenderRequest request = example_request();
   request.exploration.ends = RigExplorationEnd::stop;
@@ -200,11 +203,11 @@ TEST_CASE("the stop latch stops an external rig, and nothing is presented until 
       rig, request,
       [&](const Rendered& it) {
         const bool good = it.voided && it.voided->failure == RigFailure::stopped && !it.contacts.empty();
-        if (!good) rig.stop.clear();
+        if (!good) stop.clear();
         return good;
       },
       [&](const RigEvent& event) {
-        if (std::holds_alternative<RigContact>(event.what)) rig.stop.latch(StopSource::key);
+        if (std::holds_alternative<RigContact>(event.what)) stop.latch(StopSource::key);
       });
   REQUIRE(stopped.voided);
   CHECK(stopped.voided->failure == RigFailure::stopped);
@@ -212,12 +215,13 @@ TEST_CASE("the stop latch stops an external rig, and nothing is presented until 
   const Rendered latched = rig.render(request);
   REQUIRE(latched.voided);
   CHECK_FALSE(latched.done);
-  rig.stop.clear();
+  stop.clear();
   CHECK(eventually(rig, example_request(), is_done).done);
 }
 
 TEST_CASE("a rig that cannot be started is told, and how often it was tried") {
-  ExternalRig rig(settings_for({"/no/such/rig"}), kSteady);
+  EmergencyStop stop;
+  ExternalRig rig(settings_for({"/no/such/rig"}), kSteady, stop);
   CHECK_FALSE(rig.await_hello(kLong_s));
   CHECK(rig.missing().find("/no/such/rig cannot be started: No such file or directory") == 0);
   while (rig.report().starts < 3 || rig.missing().find("it could not be started") == std::string::npos)
@@ -236,7 +240,8 @@ TEST_CASE("a rig behind a Unix socket is connected to, and again after it went a
   REQUIRE(listen(listening, 4) == 0);
   ExternalSettings settings = settings_for({});
   settings.socket = path;
-  ExternalRig rig(settings, kSteady);
+  EmergencyStop stop;
+  ExternalRig rig(settings, kSteady, stop);
   // The example, with the connection for its standard streams.
   const auto serve = [&] {
     const int connection = accept(listening, nullptr, nullptr);

@@ -226,12 +226,16 @@ MISTAKES = [  # what is changed into what, a check that must fail, and the limit
      "stop ends a presentation"),
     ('(going or prepared).done("complete" if going and message["reason"] == "enough" else "stopped")',
      '(going or prepared).done("stopped")', 'stop with "enough" completes it'),
-    ('            say("contact", id=self.id, time_s=now)\n', '', "tells its contacts"),
+    ('            say("contact", id=self.id, time_s=now)\n', '', "presents 100 N/m the lowest"),
     ('duration_s=time.monotonic() - self.began', 'duration_s=time.monotonic() - self.began + 500',
      "presents 100 N/m the lowest"),
     ('"serial": "none"', '"serial": str(time.time())', "is the same rig"),
     ('"max": 1000', '"max": 10', "hello", {"hello_s": 1}),
-    ('duration_s=time.monotonic() - self.began', 'duration_s=(self.first or 0) + 0.1', "explored from the first contact"),
+    ('duration_s=time.monotonic() - self.began', 'duration_s=(self.first or 0) + 0.1', "presents 100 N/m the lowest"),
+    ('return "complete" if over[self.how["ends"]] else None', 'return "complete"', "presents 100 N/m the lowest"),
+    ('return peaks["force"] / peaks["depth"]', 'return 750', "delivered"),
+    ('"name": "force", "unit": "N"', '"name": "force", "unit": str(os.getpid())', "is the same rig"),
+    ('if waiting and device.is_ready():', 'if waiting and time.monotonic() - prepared.began > 0.3:', "ready", {"late_s": 0}),
     ('now - start >= self.how.get("duration_s", 0)', 'now - start >= 1', "explored from the first contact"),
     ('# What else comes is of a later version of jnd: let it pass.', 'elif kind.startswith("x"): raise SystemExit(1)',
      "lets an unknown message pass"),
@@ -268,7 +272,8 @@ def main():
         done = run("--rig", str(path))
         check(done.returncode == 3 and 'it has no "external"' in done.stderr, f"{done.returncode} {done.stderr}")
         for external, words in [({}, "says nowhere where the rig is"), ({"command": ["a"], "port": 1}, "more than one place"),
-                                ({"port": 70000}, "$.external.port"), ({"command": [""]}, "empty word")]:
+                                ({"port": 70000}, "$.external.port"), ({"port": 7000}, "any user of this machine"),
+                                ({"port": 7000, "token": "none"}, "none"), ({"command": [""]}, "empty word")]:
             path.write_text(json.dumps({"format": 1, "title": "T", "external": external}), encoding="utf-8")
             done = run("--rig", str(path))
             check(done.returncode == 3 and words in done.stderr, f"{external}: {done.returncode} {done.stderr}")
