@@ -176,7 +176,7 @@ Rendered ExternalRig::render(const RenderRequest& request, const std::function<v
   (void)wait(0);  // what came before is not of this presentation
   std::string why;
   const std::uint64_t id = prepare(request, why);
-  if (id != 0) return follow(id, hear, enough);
+  if (id != 0) return follow(id, false, hear, enough);
   return {.done = {},
           .voided = RigVoid{0, stop_.latched() ? RigFailure::stopped : RigFailure::ended, why},
           .telemetry = {},
@@ -185,21 +185,35 @@ Rendered ExternalRig::render(const RenderRequest& request, const std::function<v
 
 Rendered ExternalRig::render_prepared(std::uint64_t id, const std::function<void(const RigEvent&)>& hear,
                                       const std::function<bool()>& enough) {
+  Rendered rendered;
+  bool ready = false;
   {
     std::unique_lock lock(mutex_);
     news_.wait_for(lock, std::chrono::duration<double>(settings_.time_outs.late_s),
                    [&] { return exchange_.is_ready(id) || !exchange_.prepares(id); });
-    if (!exchange_.is_ready(id)) exchange_.give_up(id, clock_.now_ns());
+    ready = exchange_.is_ready(id);
+    if (!ready) {
+      exchange_.give_up(id, clock_.now_ns());
+      rendered.voided = RigVoid{id, RigFailure::ended, "it is not ready any more"};
+    }
+    for (const RigEvent& event : exchange_.take_events())  // of the time before it
+      if (const auto* voided = std::get_if<RigVoid>(&event.what); voided != nullptr && voided->id == id)
+        rendered.voided = *voided;
   }
   (void)eventfd_write(wake_, 1);
-  return follow(id, hear, enough);
+  if (ready) {
+    if (!present(id)) stop_with(RigStop::interrupted);
+    return follow(id, true, hear, enough);
+  }
+  await_rest();
+  return rendered;
 }
 
-// From when it gets ready to its end; presents it as soon as it is ready.
-Rendered ExternalRig::follow(std::uint64_t id, const std::function<void(const RigEvent&)>& hear,
+// To its end; presents: it was told to, otherwise it is as soon as it is ready.
+Rendered ExternalRig::follow(std::uint64_t id, bool presents, const std::function<void(const RigEvent&)>& hear,
                              const std::function<bool()>& enough) {
   Rendered rendered;
-  bool presents = false, ends = false;
+  bool ends = false;
   std::int64_t asked_ns = clock_.now_ns();
   while (!rendered.done && !rendered.voided) {
     if (enough && !ends && clock_.now_ns() - asked_ns >= kAskEvery_ns) {
@@ -208,7 +222,7 @@ Rendered ExternalRig::follow(std::uint64_t id, const std::function<void(const Ri
       if (ends) stop_with(RigStop::enough);
     }
     for (const RigEvent& event : wait(clock_.now_ns() + kRenderLook_ns)) {
-      if (const auto* ready = std::get_if<RigReady>(&event.what); ready != nullptr && ready->id == id) {
+      if (const auto* ready = std::get_if<RigReady>(&event.what); !presents && ready != nullptr && ready->id == id) {
         presents = present(id);
         if (!presents) stop_with(RigStop::interrupted);
       }

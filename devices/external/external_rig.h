@@ -91,7 +91,7 @@ class ExternalRig {
   std::vector<RigEvent> wait(std::int64_t until_ns);
 
  private:
-  Rendered follow(std::uint64_t id, const std::function<void(const RigEvent&)>& hear,
+  Rendered follow(std::uint64_t id, bool presents, const std::function<void(const RigEvent&)>& hear,
                   const std::function<bool()>& enough);
   void await_rest();
   void serve() noexcept;
