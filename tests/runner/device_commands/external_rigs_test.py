@@ -165,6 +165,15 @@ def check_other_commands(folder):
         done = program.run("check", protocol, "--rig", path, code=None)
         check(done.returncode == (0 if fits else 3), f"check, {levels}: {done.stdout}{done.stderr}")
         check(("4500 N/m is out of the rig's range" in done.stdout) != fits, f"check, {levels}: {done.stdout}")
+    asked["levels"] = {"absolute": [350, 450]}
+    protocol.write_text(json.dumps({**asked, "trial": {**asked["trial"], "gap_s": 0.2}}))
+    for hello, code, words in (('"ready_s": 0.2', 0, "ok"), ('"ready_s": 0.3', 3, "up to 0.3 s to get ready for a value, and gap_s is 0.2 s"),
+                               ('"ready_s": 0.3, "holds": False', 0, "same from different")):
+        rig = pathlib.Path(folder) / "slow_rig.py"
+        rig.write_text((EXAMPLES / "plain_rig.py").read_text(encoding="utf-8").replace('"ready_s": 0', hello), encoding="utf-8")
+        done = program.run("check", protocol, "--rig", rig_file(folder, ["python3", str(rig)]), code=None)
+        check(done.returncode == code and words in done.stdout, f"{hello}: {done.returncode} {done.stdout}")
+    path = rig_file(folder, ["python3", str(EXAMPLES / "plain_rig.py")])
     done = program.run("run", "tutorial", "--study", str(pathlib.Path(folder) / "s.sqlite"), "--participant", "P01", "--rig", path, code=None)
     check(done.returncode == 3 and "an external rig is for protocols" in done.stderr, f"{done.returncode} {done.stderr}")
 
