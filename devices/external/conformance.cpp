@@ -23,7 +23,7 @@ constexpr double kExploreSlack_s = 0.1;
 constexpr double kNoContact_s = 10;  // a person has to find the object
 constexpr double kStopAfter_s = 0.2;
 constexpr double kHold_s = 1;  // from "ready" to "present", where the operator takes a while
-constexpr int kWatched = 20;                                 // answers to "alive", while the rig is only looked at
+constexpr int kWatched = 20;   // answers to "alive", while the rig is only looked at
 constexpr std::uint64_t kForeignId = 4'000'000'000'000'000;  // that no presentation has
 
 std::string parameter_text(const RigParameter& parameter) {
@@ -293,7 +293,8 @@ class ConformanceTest {
     if (!probed.done) return;
     const double ready_s = std::max(hello_->ready_s, settings_.time_outs.ready_s) + settings_.time_outs.late_s;
     add("  ready", "after " + ms_text(probed.ready_ms),
-        fmt::format("within {:g} s{}", ready_s, hello_->ready_s > 0 ? ", as \"ready_s\" says" : ", or a longer \"ready_s\""),
+        fmt::format("within {:g} s{}", ready_s,
+                    hello_->ready_s > 0 ? ", as \"ready_s\" says" : ", or a longer \"ready_s\""),
         probed.ready_ms <= 1000 * ready_s);
     if (hold_s > 0) note("  holds what is ready", fmt::format("for {:g} s", hold_s));
     add("  tells its contacts", fmt::format("{} told, {} in done", probed.contacts, probed.done->contacts), "as many",

@@ -19,6 +19,7 @@ namespace {
 
 constexpr TextLimits kArgument{.max_length = 1000, .may_be_empty = true};
 constexpr TextLimits kSocketPath{.max_length = 100};  // a Unix socket's name has at most 107 bytes
+constexpr TextLimits kTokenPath{.max_length = 1000};
 constexpr std::size_t kMostArguments = 100;
 constexpr std::size_t kLeastToken = 16, kMostToken = 200;
 constexpr NumberLimits kPatience{.min = 0.1, .max = 600, .unit = "s"};
@@ -27,15 +28,18 @@ constexpr NumberLimits kPatience{.min = 0.1, .max = 600, .unit = "s"};
 // Throws InputError.
 std::string read_token(const std::filesystem::path& path) {
   struct stat what {};
-  if (stat(path.c_str(), &what) == 0 && S_ISREG(what.st_mode) && ((what.st_mode & 077U) != 0 || what.st_uid != geteuid()))
-    throw InputError(fmt::format("{} can be read or was made by others: chmod 600, in a file of your own", path.string()));
+  if (stat(path.c_str(), &what) == 0 && S_ISREG(what.st_mode) &&
+      ((what.st_mode & 077U) != 0 || what.st_uid != geteuid()))
+    throw InputError(
+        fmt::format("{} can be read or was made by others: chmod 600, in a file of your own", path.string()));
   std::string token = read_input_file(path, kMostToken);
   while (!token.empty() && std::isspace(static_cast<unsigned char>(token.back())) != 0) token.pop_back();
   const bool plain = std::all_of(token.begin(), token.end(), [](char one) { return one > ' ' && one <= '~'; });
   if (token.size() < kLeastToken || !plain)
-    throw InputError(fmt::format("{} holds no token: {} to {} letters and digits that nobody can guess, such as of "
-                                 "openssl rand -hex 32",
-                                 path.string(), kLeastToken, kMostToken));
+    throw InputError(
+        fmt::format("{} holds no token: {} to {} letters and digits that nobody can guess, such as of "
+                    "openssl rand -hex 32",
+                    path.string(), kLeastToken, kMostToken));
   return token;
 }
 
@@ -68,7 +72,7 @@ ExternalSettings read_external_settings(const JsonNode& node, const std::filesys
     ++given;
     settings.port = *port;
   }
-  if (const auto token = reader.optional_text("token", kSocketPath)) {
+  if (const auto token = reader.optional_text("token", kTokenPath)) {
     try {
       settings.token = read_token(folder / *token);
     } catch (const InputError& error) {

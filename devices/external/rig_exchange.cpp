@@ -305,7 +305,9 @@ void RigExchange::tick(std::int64_t now_ns) {
   if (!engaged() || state_ == State::ready || now_ns <= deadline_ns_) return;
   switch (state_) {
     case State::preparing:
-      void_presentation(RigFailure::not_ready, fmt::format("not ready within {:g} s", std::max(time_outs_.prepare_s, hello_->ready_s)), now_ns);
+      void_presentation(RigFailure::not_ready,
+                        fmt::format("not ready within {:g} s", std::max(time_outs_.prepare_s, hello_->ready_s)),
+                        now_ns);
       stop_for(RigStop::time_out, now_ns);
       break;
     case State::due:

@@ -49,12 +49,11 @@ class RigProbe {
 
   // When a presentation is told to present, and to stop.
   struct Course {
-    double hold_s = 0;                    // from "ready" to "present"
-    std::optional<double> stop_after_s{}; // from "present"; of one that is enough, from the first contact
+    double hold_s = 0;                     // from "ready" to "present"
+    std::optional<double> stop_after_s{};  // from "present"; of one that is enough, from the first contact
     RigStop reason = RigStop::interrupted;
   };
   Probed present(const RenderRequest& request, const Course& course);
-  Probed present(const RenderRequest& request) { return present(request, {}); }
 
   // What a session never says: a line as it is; and what the rig makes of it. Answers to "alive" go to the conversation
   // all the same.

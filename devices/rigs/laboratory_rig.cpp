@@ -95,9 +95,9 @@ RenderRequest LaboratoryRig::asked_of(const PresentRequest& request) const {
     if (request.beside && !condition->standard_parameters.empty())
       asked.beside_parameters = parameters_of(*condition, request.beside_of_standard);
   }
-  asked.exploration.ends = request.contacts > 0 ? RigExplorationEnd::contacts
+  asked.exploration.ends = request.contacts > 0                                  ? RigExplorationEnd::contacts
                            : protocol_.timeline.interval_end == IntervalEnd::key ? RigExplorationEnd::stop
-                                                                                  : RigExplorationEnd::time;
+                                                                                 : RigExplorationEnd::time;
   asked.exploration.duration_s = request.explore_s;
   asked.exploration.contacts = request.contacts;
   if (request.condition != nullptr) {

@@ -101,7 +101,8 @@ void print_told(const CheckedFile& result) {
       "{:.0f} %)",
       100 * result.told->told, 100 * result.told->chance);
   if (fewest < kAdvisedCodes)
-    fmt::print("; with {} codes per value in {:.0f} %, which is advised", kAdvisedCodes, 100 * result.told_advised->told);
+    fmt::print("; with {} codes per value in {:.0f} %, which is advised", kAdvisedCodes,
+               100 * result.told_advised->told);
   fmt::print("\n");
 }
 

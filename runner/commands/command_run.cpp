@@ -43,8 +43,8 @@ struct RunOptions {
   std::string participant;               // asked for where empty
   std::optional<std::uint64_t> seed;     // of a new study; drawn where not given
   std::optional<std::string> responder;  // a profile that answers instead of a person
-  std::string rig;                       // simulated, hid, specimens, or a rig file; empty: what the protocol's rig is for
-  bool participant_presses = false;      // who presses the answer keys
+  std::string rig;                   // simulated, hid, specimens, or a rig file; empty: what the protocol's rig is for
+  bool participant_presses = false;  // who presses the answer keys
   bool fast = false;
   bool plain = false;                             // a line at a time
   std::string events;                             // where they are told to another program; empty: nowhere
@@ -429,7 +429,8 @@ void add_run(CommandTree& tree) {
                    "a technician's view: force and depth of every device, live. They tell the stimuli, so the session "
                    "is marked as unblinded");
   command.add_flag("--bell", options.bell, "cues ring the terminal's bell instead of playing a sound");
-  command.add_option("--kind", options.kind, "real (default on a real rig, and on specimens) or pilot (default on a simulated one)");
+  command.add_option("--kind", options.kind,
+                     "real (default on a real rig, and on specimens) or pilot (default on a simulated one)");
   command.add_flag("--new", options.beside, "begin this participant while another one's session is unfinished");
   command.add_option("--accept-gap", options.accept_gap,
                      "go on after a longer interruption than the protocol allows, for this reason");

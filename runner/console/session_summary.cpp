@@ -30,9 +30,10 @@ std::string quoted(const std::string& path) {
 }  // namespace
 
 std::string not_as_asked_text(const Deliveries& deliveries) {
-  return tr("by its own measure the rig did not deliver what was asked in {} of {} intervals (more than {:.0f} % off): try "
-            "it with jnd device test external",
-            deliveries.off, deliveries.measured, 100 * kDeliveryTolerance);
+  return tr(
+      "by its own measure the rig did not deliver what was asked in {} of {} intervals (more than {:.0f} % off): try "
+      "it with jnd device test external",
+      deliveries.off, deliveries.measured, 100 * kDeliveryTolerance);
 }
 
 std::string summary_text(const SessionSummary& summary) {

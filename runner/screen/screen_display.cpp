@@ -281,9 +281,7 @@ class ScreenDisplay final : public Display {
   std::string now_text() const { return time_of_day(clock_->utc_ns(), "%H:%M:%S"); }
 
   // Another page of the session: only the first one is the first.
-  void turn() {
-    if (!model_.scene.heading.empty() || model_.page != nullptr) model_.first = false;
-  }
+  void turn() { model_.first = model_.first && !std::exchange(shown_, true); }
 
   void keep(const LogLine& line) {
     model_.log.push_back(line);
@@ -353,6 +351,7 @@ class ScreenDisplay final : public Display {
   Unseen unseen_ = Unseen::nothing;
   bool read_ = false;  // all of the scene's text, or of the page's question, was on view
   bool feedback_ = false;
+  bool shown_ = false;  // a first page was
 };
 
 }  // namespace

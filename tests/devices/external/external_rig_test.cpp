@@ -280,8 +280,8 @@ TEST_CASE("a rig behind another user's socket is nobody's rig") {
   const std::string path = (folder / "rig.sock").string();
   std::copy(path.begin(), path.end(), address.sun_path);
   const int listening = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
-  const bool listens = bind(listening, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0 &&
-                       listen(listening, 4) == 0;
+  const bool listens =
+      bind(listening, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0 && listen(listening, 4) == 0;
   REQUIRE(seteuid(0) == 0);
   REQUIRE(listens);
   ExternalSettings settings = settings_for({});

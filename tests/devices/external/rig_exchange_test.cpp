@@ -166,7 +166,8 @@ TEST_CASE("what was asked for has happened, or it is not complete") {
   CHECK_FALSE(presented(second, R"("duration_s":1.2,"contacts":1,"first_contact_s":0.7)", true));
   CHECK(presented(from_start, R"("duration_s":1,"contacts":0)", false));
   CHECK_FALSE(presented(from_start, R"("duration_s":0.5,"contacts":0)", false));
-  const RigExploration presses{.ends = RigExplorationEnd::contacts, .contacts = 2}, key{.ends = RigExplorationEnd::stop};
+  const RigExploration presses{.ends = RigExplorationEnd::contacts, .contacts = 2},
+      key{.ends = RigExplorationEnd::stop};
   CHECK_FALSE(presented(presses, whole, true));
   CHECK(presented(presses, R"("duration_s":1.2,"contacts":2,"first_contact_s":0.2)", true));
   CHECK_FALSE(presented(key, whole, true));
@@ -599,7 +600,8 @@ TEST_CASE("a protocol is held against the ranges of hello") {
   slow.ready_s = 0.4;
   demand = {.quantity = "stiffness", .unit = "N/m", .values = {100}, .conditions = {{{"gain", 0.5}}}, .gap_s = 0.3};
   CHECK(rig_problems(demand, slow) ==
-        std::vector<std::string>{"the rig needs up to 0.4 s to get ready for a value, and gap_s is 0.3 s: make it at least 0.4"});
+        std::vector<std::string>{
+            "the rig needs up to 0.4 s to get ready for a value, and gap_s is 0.3 s: make it at least 0.4"});
   CHECK(rig_cautions(demand, slow).empty());
   demand.gap_s = 0.4;
   CHECK(rig_problems(demand, slow).empty());

@@ -1,9 +1,8 @@
 // Cues to the participant: which come from the devices, and that they are the same whatever is presented.
-#include "runner/session/session_engine.h"
-
 #include <array>
 #include <optional>
 
+#include "runner/session/session_engine.h"
 #include "tests/catch.h"
 #include "tests/runner/engine_fixture.h"
 
