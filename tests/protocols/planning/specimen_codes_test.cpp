@@ -20,7 +20,7 @@ Protocol protocol_with(int codes) {
   nlohmann::json json = nlohmann::json::parse(R"({
     "format": 1, "title": "Specimens", "source": {"citation": "none"}, "rig": {"device": "specimens", "specimens": []},
     "paradigm": "same-different",
-    "trial": {"explore_s": 1, "no_contact_time_out_s": 5, "gap_s": 0.5, "between_trials_s": 0.5, "answer_time_out_s": 20,
+    "trial": {"explore_s": 1, "no_contact_time_out_s": 5, "gap_s": 0.5, "between_trials_s": 0.5, "answer_time_out_s": 20, "max_attempts": 3,
               "cues": {"first": {"kind": "none"}, "second": {"kind": "none"}, "question": {"kind": "none"}},
               "keys": {"same": "s", "different": "d"}},
     "stimulus": {"quantity": "roughness", "unit": "um", "reference": 50},
