@@ -178,6 +178,42 @@ def check_other_commands(folder):
     check(done.returncode == 3 and "an external rig is for protocols" in done.stderr, f"{done.returncode} {done.stderr}")
 
 
+LISTENS = """
+import os, socket, sys
+sys.path.insert(0, sys.argv[1])
+import plain_rig
+listening = socket.create_server(("127.0.0.1", 0))
+print(listening.getsockname()[1], flush=True)
+while True:
+    connection = listening.accept()[0]
+    if os.fork() == 0:
+        os.dup2(connection.fileno(), 0)
+        os.dup2(connection.fileno(), 1)
+        plain_rig.serve({**plain_rig.HELLO, "token": sys.argv[2]}, plain_rig.Device())
+        os._exit(0)
+    connection.close()
+"""
+
+
+def check_token(folder):
+    """Whoever listens on a port is the rig if its hello has the token of a file that nobody else can read; nothing shows it."""
+    token, folder = "0123456789abcdef0123", pathlib.Path(folder)
+    rig = program.start("-c", LISTENS, EXAMPLES, token, program=sys.executable)
+    port = int(rig.stdout.readline())
+    path, secret = folder / "rig.json", folder / "token"
+    path.write_text(json.dumps({"format": 1, "title": "T", "external": {"port": port, "token": "token"}}), encoding="utf-8")
+    for text, mode, code, words in ((token + "\n", 0o600, 0, "stiffness 100 to 1000 N/m"), (token[::-1], 0o600, 1, "has not the token"),
+                                    (token, 0o640, 3, "chmod 600"), ("short", 0o600, 3, "holds no token")):
+        secret.write_text(text)
+        secret.chmod(mode)
+        done = program.run("doctor", "--seconds", "0.1", "--rig", path, code=None)
+        said = " ".join((done.stdout + done.stderr).split())
+        check(words in said and (code != 3) == (done.returncode != 3), f"token {text!r}, {mode:o}: {done.returncode} {said}")
+        check(token not in said and token[::-1] not in said, f"the token is shown: {said}")
+    rig.kill()
+    rig.wait()
+
+
 def check_mistake(folder, before, after, expected, **limits):
     """The plain rig with one line changed."""
     text = (EXAMPLES / "plain_rig.py").read_text(encoding="utf-8")
@@ -262,7 +298,7 @@ def main():
                 own.mkdir()
                 begun.append(pool.submit(what, *arguments, folder=str(own), **more))
 
-            for what in (check_bridges, check_plain, check_weart, check_other_commands, check_slow, check_screen):
+            for what in (check_bridges, check_plain, check_weart, check_other_commands, check_slow, check_screen, check_token):
                 begin(what)
             begin(passes, [RIG_LOOP])
             for before, after in HOSTILE_TEXTS:
