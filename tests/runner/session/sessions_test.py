@@ -71,10 +71,11 @@ class Sessions(program.Case):
         self.protocol("which", "specimens", 2, explore_s=0.5, gap_s=0, between_trials_s=0)
         run = ("run", "study.json", "--study", "s.sqlite", "--participant", "P01", "--plain", "--seed", 4, *ANYWAY)
         self.says(self.jnd(*run, "--fast", code=program.USAGE).said, "--kind pilot for a rehearsal")
-        said = self.jnd(*run, input=" " + (" " * 3 + "1") * 12).said
+        keys = " " + (" " * 3 + "1") * 12
+        said = self.jnd(*run, input=keys).said
         self.says(said, "REAL SESSION: this counts as data", "The session of P01 is complete")
-        self.jnd(*run[:5], "P02", *run[6:], "--responder", "chinello2017", "--fast")
-        self.jnd(*run[:5], "P03", *run[6:], "--kind", "pilot", "--fast", input="")
+        self.jnd(*run[:5], "P02", *run[6:], "--responder", "kinaesthetic", "--fast")
+        self.jnd(*run[:5], "P03", *run[6:], "--kind", "pilot", "--fast", input=keys)
         self.assertEqual({one["participant"]: one["kind"] for one in self.jnd("status", "s.sqlite", "--json").json["sessions"]},
                          {"P01": "real", "P02": "simulated", "P03": "pilot"})
 
