@@ -329,7 +329,7 @@ TEST_CASE("The first screen says in large letters whether the session counts") {
         model.first = first;
         const Frame frame = lay_out(model, rows, columns, true);
         INFO(text_of(frame));
-        CHECK(text_of(frame).find("same or different") != std::string::npos);
+        CHECK(text_of(frame).find("Two surfaces come") != std::string::npos);
         return std::count_if(frame.rows.begin() + 1, frame.rows.end(), [&](const Row& row) {
           return row.size() == 1 && row[0].style.shade == shade && columns_of(row[0].text) == columns;
         });
