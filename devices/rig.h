@@ -20,6 +20,7 @@ struct IntervalId {
   int trial = 0;  // Trial::index
   int attempt = 1;
   int interval = 0;  // 0, 1 or 2
+  bool operator==(const IntervalId&) const = default;
 };
 
 struct PresentRequest {
@@ -136,6 +137,12 @@ class Rig {
   // Engages the devices (soft start), renders until explore_s after first contact, and ends with force zero and the
   // platform neutral. A fault ends it early and is in the result; it does not throw.
   virtual Presentation present(const PresentRequest& request) = 0;
+
+  // Gets ready for that presentation, and nobody feels it. How long that takes may depend on the stimulus and the one
+  // before, so it belongs where nothing is timed. Returns at once, with the time of the session's clock from when the cue
+  // and present() may come; what is ready stays so. neutral() and another presentation end it. A rig that is always ready
+  // has nothing to do.
+  virtual std::int64_t prepare(const PresentRequest& /*request*/) { return 0; }
 
   // Force to zero and platform to rest, at once. Safe to call at any time.
   virtual void neutral() noexcept = 0;

@@ -3,10 +3,14 @@
 #include <algorithm>
 #include <utility>
 
+#include <fmt/format.h>
+
+#include "data/log/replay.h"
 #include "data/results/rating_answers.h"
 #include "data/results/study_cautions.h"
 #include "data/study/blinding.h"
 #include "protocols/course/prescription.h"
+#include "protocols/delivery.h"
 #include "protocols/planning/allotment.h"
 
 namespace jnd {
@@ -115,6 +119,22 @@ StudyResults computed_results_of(const Study& study, const Protocol& protocol, S
   return constant_results_of(study, protocol, kind, by);
 }
 
+// Of a rig of the laboratory's own, which says itself what it delivered; empty: as asked, or it measures nothing.
+std::string delivery_caution(const Study& study, const Protocol& protocol, SessionKind kind) {
+  if (protocol.rig.device != kExternalRig || kind == SessionKind::simulated) return {};
+  Deliveries all;
+  for (const SessionInfo& session : sessions_of(study, kind)) {
+    const Deliveries its = deliveries_of(replay(study.events(session.id)).completed, protocol);
+    all.measured += its.measured;
+    all.off += its.off;
+  }
+  if (all.off == 0) return {};
+  return fmt::format(
+      "By its own measure the rig did not deliver what was asked in {} of {} intervals (more than {:.0f} % off): what was "
+      "felt there is not what these numbers assume.",
+      all.off, all.measured, 100 * kDeliveryTolerance);
+}
+
 }  // namespace
 
 namespace {
@@ -156,6 +176,8 @@ StudyResults results_of(const Study& study, const Protocol& protocol, SessionKin
   }
   if (protocol.analysis.hierarchical) add_hierarchical(results, protocol);
   add_cautions(results, protocol);
+  if (const std::string words = delivery_caution(study, protocol, kind); !words.empty())
+    results.cautions.insert(results.cautions.begin(), words);
   const bool sealed = plan_sealed(study, protocol);
   if (sealed) results.answers.clear();  // trial by trial they are the plan that people are to have
   if (sealed && results.groups && protocol.allotment == Allotment::balanced) {

@@ -12,6 +12,7 @@
 #include "devices/device_error.h"
 #include "devices/external/rig_fit.h"
 #include "devices/external/rig_probe.h"
+#include "protocols/delivery.h"
 
 namespace jnd {
 
@@ -21,7 +22,8 @@ constexpr double kExplore_s = 0.5;
 constexpr double kExploreSlack_s = 0.1;
 constexpr double kNoContact_s = 10;  // a person has to find the object
 constexpr double kStopAfter_s = 0.2;
-constexpr int kWatched = 20;                                 // answers to "alive", while the rig is only looked at
+constexpr double kHold_s = 1;  // from "ready" to "present", where the operator takes a while
+constexpr int kWatched = 20;   // answers to "alive", while the rig is only looked at
 constexpr std::uint64_t kForeignId = 4'000'000'000'000'000;  // that no presentation has
 
 std::string parameter_text(const RigParameter& parameter) {
@@ -73,10 +75,11 @@ class ConformanceTest {
   }
 
   void check_presentations() {
+    if (!hello_->holds) note("holds what is ready", "no: how long it takes to get ready may tell the stimulus");
     const RigRange& range = hello_->quantities.front();
     present_at(range.min, "the lowest");
     if (gone()) return;
-    if (range.max > range.min) present_at(range.max, "the highest");
+    if (range.max > range.min) present_at(range.max, "the highest", {}, hello_->holds ? kHold_s : 0);
     if (gone()) return;
     if (hello_->places > 1) present_at(range.min, "beside the highest", range.max);
     if (gone()) return;
@@ -84,7 +87,7 @@ class ConformanceTest {
   }
 
   void check_stops() {
-    const Probed stopped = probe_->present(request(hello_->quantities.front().min, 10), kStopAfter_s);
+    const Probed stopped = probe_->present(request(hello_->quantities.front().min, 10), {.stop_after_s = kStopAfter_s});
     const double limit_ms = 1000 * settings_.time_outs.stop_s;
     const bool by_stop = stopped.voided && stopped.voided->failure == RigFailure::stopped;
     const std::string ended = by_stop ? "done after " + ms_text(stopped.stopped_ms) : outcome_text(stopped);
@@ -92,9 +95,10 @@ class ConformanceTest {
         !gone() && by_stop && stopped.stopped_ms <= limit_ms);
     if (gone()) return;
     RenderRequest free = request(hello_->quantities.front().min, 0);
-    free.exploration = {.ends = RigExplorationEnd::stop};
-    const Probed enough = probe_->present(free, 2 * kStopAfter_s, RigStop::enough);
-    add("stop with \"enough\" completes it", outcome_text(enough), "complete", enough.done.has_value());
+    free.exploration = {.ends = RigExplorationEnd::stop, .no_contact_s = kNoContact_s};
+    const Probed enough = probe_->present(free, {.stop_after_s = kStopAfter_s, .reason = RigStop::enough});
+    if (!untouched(enough, "stop with \"enough\" completes it"))
+      add("stop with \"enough\" completes it", outcome_text(enough), "complete", enough.done.has_value());
   }
 
   void check_refusals() {
@@ -173,13 +177,11 @@ class ConformanceTest {
         fmt::format("within {:g} s", settings_.time_outs.bye_s), left);
   }
 
-  // Started anew it is the same rig: same name, serial number and ranges.
+  // Started anew it is the same rig: what a session would accept.
   bool check_restart() {
     if (!start("starts anew") || !hears_hello("hello after a new start")) return false;
-    const bool same = probe_->exchange().hello()->serial == hello_->serial &&
-                      probe_->exchange().hello()->name == hello_->name &&
-                      can_do(*probe_->exchange().hello()) == can_do(*hello_);
-    add("is the same rig", same ? "same name, serial and ranges" : "differs", "same name, serial and ranges", same);
+    const bool same = is_same_rig(*hello_, *probe_->exchange().hello());
+    add("is the same rig", same ? "says the same hello" : "says another hello", "the same hello", same);
     return true;
   }
 
@@ -264,29 +266,45 @@ class ConformanceTest {
     return probed.done ? "complete" : "nothing";
   }
 
-  void present_at(double value, const std::string& which, std::optional<double> beside = std::nullopt) {
+  // Whether nobody touched it, which is judged as nothing.
+  bool untouched(const Probed& probed, const std::string& what) {
+    const bool untouched = probed.voided && probed.voided->failure == RigFailure::no_contact;
+    if (untouched) note(what, "nothing was touched");
+    return untouched;
+  }
+
+  void judge_delivery(double asked, const std::optional<double>& delivered, const std::string& what) {
+    const RigRange& range = hello_->quantities.front();
+    if (!delivered) return note(what, "not measured");
+    add(what, fmt::format("{:.6g} {}, by its own word", *delivered, range.unit),
+        fmt::format("{} +- {:.0f} %", rig_value_text(asked, range.unit), 100 * kDeliveryTolerance),
+        is_as_asked(asked, *delivered, std::max(std::abs(range.min), std::abs(range.max))));
+  }
+
+  void present_at(double value, const std::string& which, std::optional<double> beside = std::nullopt,
+                  double hold_s = 0) {
     RenderRequest asked = request(value, kExplore_s);
     asked.beside = beside;
-    const Probed probed = probe_->present(asked);
+    const Probed probed = probe_->present(asked, {.hold_s = hold_s});
     const std::string what =
         fmt::format("presents {} {}", rig_value_text(value, hello_->quantities.front().unit), which);
-    if (probed.voided && probed.voided->failure == RigFailure::no_contact) {
-      checks_.push_back({.what = what, .verdict = Verdict::not_judged, .found = "nothing was touched"});
-      return;
-    }
+    if (untouched(probed, what)) return;
     add(what, gone() ? why_lost() : outcome_text(probed), "done, complete, with the same id", probed.done.has_value());
     if (!probed.done) return;
-    add("  ready", "after " + ms_text(probed.ready_ms), fmt::format("within {:g} s", settings_.time_outs.prepare_s),
-        true);
+    const double ready_s = std::max(hello_->ready_s, settings_.time_outs.ready_s) + settings_.time_outs.late_s;
+    add("  ready", "after " + ms_text(probed.ready_ms),
+        fmt::format("within {:g} s{}", ready_s,
+                    hello_->ready_s > 0 ? ", as \"ready_s\" says" : ", or a longer \"ready_s\""),
+        probed.ready_ms <= 1000 * ready_s);
+    if (hold_s > 0) note("  holds what is ready", fmt::format("for {:g} s", hold_s));
     add("  tells its contacts", fmt::format("{} told, {} in done", probed.contacts, probed.done->contacts), "as many",
         static_cast<int>(probed.contacts) == probed.done->contacts);
     const double explored_s = probed.done->duration_s - probed.done->first_contact_s.value_or(0);
     add("  explored from the first contact", fmt::format("{:.3f} s", explored_s),
         fmt::format("{:g} +- {:g} s", kExplore_s, kExploreSlack_s),
         std::abs(explored_s - kExplore_s) <= kExploreSlack_s);
-    note("  delivered", probed.done->delivered ? fmt::format("{:.6g} {}, by its own word", *probed.done->delivered,
-                                                             hello_->quantities.front().unit)
-                                               : "not measured");
+    judge_delivery(value, probed.done->delivered, "  delivered");
+    if (beside) judge_delivery(*beside, probed.done->delivered_beside, "  delivered beside");
   }
 
   void expect_refusal(const std::string& what, const RenderRequest& wrong) {

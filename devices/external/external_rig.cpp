@@ -70,11 +70,12 @@ Presentation presentation_of(const Rendered& rendered, StopSource stopped_by) {
   return presentation;
 }
 
-ExternalRig::ExternalRig(ExternalSettings settings, const Clock& clock)
+ExternalRig::ExternalRig(ExternalSettings settings, const Clock& clock, const EmergencyStop& stop)
     : settings_(std::move(settings)),
       source_(in_words(settings_)),
       clock_(clock),
-      exchange_(kVersion, settings_.time_outs),
+      stop_(stop),
+      exchange_(kVersion, settings_.time_outs, settings_.token),
       trouble_(fmt::format("{} has not been started yet", source_)),
       sealed_(trouble_),
       wake_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
@@ -132,7 +133,7 @@ std::uint64_t ExternalRig::prepare(const RenderRequest& request, std::string& wh
     const std::lock_guard lock(mutex_);
     if (!trouble_.empty())
       why = trouble_;
-    else if (stop.latched())
+    else if (stop_.latched())
       why = "the emergency stop is latched";
     else
       id = exchange_.prepare(request, clock_.now_ns(), why);
@@ -145,7 +146,7 @@ bool ExternalRig::present(std::uint64_t id) {
   bool presents = false;
   {
     const std::lock_guard lock(mutex_);
-    presents = !stop.latched() && exchange_.present(id, clock_.now_ns());
+    presents = !stop_.latched() && exchange_.present(id, clock_.now_ns());
   }
   (void)eventfd_write(wake_, 1);
   return presents;
@@ -178,14 +179,46 @@ std::vector<RigEvent> ExternalRig::wait(std::int64_t until_ns) {
 
 Rendered ExternalRig::render(const RenderRequest& request, const std::function<void(const RigEvent&)>& hear,
                              const std::function<bool()>& enough) {
-  Rendered rendered;
   (void)wait(0);  // what came before is not of this presentation
   std::string why;
   const std::uint64_t id = prepare(request, why);
-  if (id == 0) {
-    rendered.voided = RigVoid{0, stop.latched() ? RigFailure::stopped : RigFailure::ended, why};
-    return rendered;
+  if (id != 0) return follow(id, false, hear, enough);
+  return {.done = {},
+          .voided = RigVoid{0, stop_.latched() ? RigFailure::stopped : RigFailure::ended, why},
+          .telemetry = {},
+          .contacts = {}};
+}
+
+Rendered ExternalRig::render_prepared(std::uint64_t id, const std::function<void(const RigEvent&)>& hear,
+                                      const std::function<bool()>& enough) {
+  Rendered rendered;
+  bool ready = false;
+  {
+    std::unique_lock lock(mutex_);
+    news_.wait_for(lock, std::chrono::duration<double>(settings_.time_outs.late_s),
+                   [&] { return exchange_.is_ready(id) || !exchange_.prepares(id); });
+    ready = exchange_.is_ready(id);
+    if (!ready) {
+      exchange_.give_up(id, clock_.now_ns());
+      rendered.voided = RigVoid{id, RigFailure::ended, "it is not ready any more"};
+    }
+    for (const RigEvent& event : exchange_.take_events())  // of the time before it
+      if (const auto* voided = std::get_if<RigVoid>(&event.what); voided != nullptr && voided->id == id)
+        rendered.voided = *voided;
   }
+  (void)eventfd_write(wake_, 1);
+  if (ready) {
+    if (!present(id)) stop_with(RigStop::interrupted);
+    return follow(id, true, hear, enough);
+  }
+  await_rest();
+  return rendered;
+}
+
+// To its end; presents: it was told to, otherwise it is as soon as it is ready.
+Rendered ExternalRig::follow(std::uint64_t id, bool presents, const std::function<void(const RigEvent&)>& hear,
+                             const std::function<bool()>& enough) {
+  Rendered rendered;
   bool ends = false;
   std::int64_t asked_ns = clock_.now_ns();
   while (!rendered.done && !rendered.voided) {
@@ -195,9 +228,12 @@ Rendered ExternalRig::render(const RenderRequest& request, const std::function<v
       if (ends) stop_with(RigStop::enough);
     }
     for (const RigEvent& event : wait(clock_.now_ns() + kRenderLook_ns)) {
+      if (const auto* ready = std::get_if<RigReady>(&event.what); !presents && ready != nullptr && ready->id == id) {
+        presents = present(id);
+        if (!presents) stop_with(RigStop::interrupted);
+      }
+      if (!presents && std::holds_alternative<RigTelemetry>(event.what)) continue;  // of the time before it
       if (hear) hear(event);
-      if (const auto* ready = std::get_if<RigReady>(&event.what); ready != nullptr && ready->id == id)
-        if (!present(id)) stop_with(RigStop::interrupted);
       if (const auto* contact = std::get_if<RigContact>(&event.what)) rendered.contacts.push_back(*contact);
       if (const auto* telemetry = std::get_if<RigTelemetry>(&event.what)) rendered.telemetry.push_back(*telemetry);
       if (const auto* done = std::get_if<RigDone>(&event.what); done != nullptr && done->id == id)
@@ -206,10 +242,23 @@ Rendered ExternalRig::render(const RenderRequest& request, const std::function<v
         rendered.voided = *voided;
     }
   }
-  // It may have been stopped: the next presentation begins when it has said `done`, or is lost.
+  await_rest();  // it may have been stopped: the next presentation begins when it has said `done`, or is lost
+  return rendered;
+}
+
+void ExternalRig::let_go() {
+  stop_with(RigStop::interrupted);
+  await_rest();
+}
+
+void ExternalRig::await_rest() {
   std::unique_lock lock(mutex_);
   news_.wait(lock, [&] { return !exchange_.engaged(); });
-  return rendered;
+}
+
+bool ExternalRig::prepares(std::uint64_t id) const {
+  const std::lock_guard lock(mutex_);
+  return exchange_.prepares(id);
 }
 
 bool ExternalRig::leaving() const {
@@ -345,7 +394,7 @@ void ExternalRig::part(RigConnection& connection) {
 
 // The latch may be set by a signal handler, which can do no more.
 void ExternalRig::pass_on_stop() {
-  const bool latched = stop.latched();
+  const bool latched = stop_.latched();
   if (latched && !stop_passed_on_) exchange_.stop(RigStop::emergency, clock_.now_ns());
   stop_passed_on_ = latched;
 }

@@ -51,9 +51,10 @@ Presentation presentation_of(const Rendered& rendered, StopSource stopped_by);
 // caller may take its time. Thread rule: any thread, but one at a time drives presentations (prepare to wait, render).
 class ExternalRig {
  public:
-  // clock: the machine's monotonic one; it must outlive the rig. Throws DeviceError only where the machine has no thread
-  // or file left: a rig that cannot be started is missing().
-  ExternalRig(ExternalSettings settings, const Clock& clock);
+  // clock: the machine's monotonic one. Latched, `stop` lets nothing be presented, and stops what is presented or gets
+  // ready: any thread may latch it, signal handlers too. Both must outlive the rig. Throws DeviceError only where the
+  // machine has no thread or file left: a rig that cannot be started is missing().
+  ExternalRig(ExternalSettings settings, const Clock& clock, const EmergencyStop& stop);
   // Says bye, gives it a second to end by itself, and ends it.
   ~ExternalRig();
   ExternalRig(const ExternalRig&) = delete;
@@ -75,20 +76,26 @@ class ExternalRig {
   // should end, once.
   Rendered render(const RenderRequest& request, const std::function<void(const RigEvent&)>& hear = {},
                   const std::function<bool()>& enough = {});
+  // The same of what prepare() has begun: void if it is not ready now.
+  Rendered render_prepared(std::uint64_t id, const std::function<void(const RigEvent&)>& hear = {},
+                           const std::function<bool()>& enough = {});
+  // Nothing is presented any more, nor ready; waits for the rig's word.
+  void let_go();
 
   // The same in steps, for a caller that does something in between. Each id ends with RigDone or RigVoid in wait().
   // 0 and `why`: the rig is missing, or has not said that it can do this.
   std::uint64_t prepare(const RenderRequest& request, std::string& why);
-  bool present(std::uint64_t id);  // false: not ready
+  bool prepares(std::uint64_t id) const;  // gets ready, or is
+  bool present(std::uint64_t id);         // false: not ready
   std::uint64_t ask(const std::vector<std::string>& answers);
   void stop_with(RigStop reason);
   // What has come, as soon as there is anything, or nothing at `until_ns` of the clock.
   std::vector<RigEvent> wait(std::int64_t until_ns);
 
-  // Latched: nothing is presented, and what is presented is stopped. Any thread, signal handlers too.
-  EmergencyStop stop;
-
  private:
+  Rendered follow(std::uint64_t id, bool presents, const std::function<void(const RigEvent&)>& hear,
+                  const std::function<bool()>& enough);
+  void await_rest();
   void serve() noexcept;
   void serve_once();
   void converse(RigConnection& connection);
@@ -103,6 +110,7 @@ class ExternalRig {
   const ExternalSettings settings_;
   const std::string source_;
   const Clock& clock_;
+  const EmergencyStop& stop_;
 
   mutable std::mutex mutex_;
   mutable std::condition_variable news_;

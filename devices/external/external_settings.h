@@ -12,7 +12,9 @@ namespace jnd {
 // How long a rig may take, s. A rig file sets the first two; only tests set the others.
 struct RigTimeOuts {
   double hello_s = 10;               // from its start to its hello
-  double prepare_s = 10;             // from "prepare" to "ready"
+  double prepare_s = 10;             // from "prepare" to "ready", in all
+  double ready_s = 0.1;              // the same of a rig whose hello gives no longer time: then comes its turn
+  double late_s = 0;                 // how much later it may be ready all the same
   double silent_s = 2;               // to answer an `alive`; then it is started anew
   double presenting_silent_s = 0.1;  // the same from "present" to "done"; then it is stopped
   double stop_s = 0.2;               // from "stop" to "done"
@@ -26,6 +28,7 @@ struct ExternalSettings {
   std::filesystem::path socket;      // of the Unix domain, that the rig listens on
   std::string host = "127.0.0.1";    // of this machine: "127.0.0.1" or "::1"
   int port = 0;                      // TCP; 0: none
+  std::string token;                 // over TCP: what the rig's hello has to carry
   RigTimeOuts time_outs;
 };
 

@@ -16,6 +16,7 @@
 
 #include "devices/device_error.h"
 #include "devices/external/rig_line.h"
+#include "devices/machine/peer_user.h"
 
 namespace jnd {
 
@@ -73,6 +74,8 @@ int connect_unix(const std::filesystem::path& path) {
   std::copy(name.begin(), name.end(), address.sun_path);
   OpenSocket socket(AF_UNIX);
   socket.connect_to(as_address(address), sizeof address);
+  if (!is_same_user(socket.file()))
+    throw DeviceError("is served by another user, who could be anybody: start the rig as the same user");
   return socket.take();
 }
 

@@ -1,7 +1,6 @@
 #include "devices/external/rig_exchange.h"
 
 #include <algorithm>
-#include <tuple>
 #include <utility>
 
 #include <fmt/format.h>
@@ -23,19 +22,18 @@ double milliseconds(std::int64_t ns) noexcept {
   return 1e-6 * static_cast<double>(ns);
 }
 
-// Whether a rig that was started anew is still the one that the study was checked against.
-bool is_same_rig(const RigHello& before, const RigHello& now) {
-  const auto facts = [](const RigHello& its) {
-    return std::tie(its.name, its.version, its.serial, its.model, its.answers, its.places, its.quantities,
-                    its.parameters);
-  };
-  return facts(before) == facts(now);
+// In a time that does not tell how much of it is right.
+bool is_same_secret(std::string_view one, std::string_view other) noexcept {
+  unsigned differs = one.size() == other.size() ? 0U : 1U;
+  for (std::size_t i = 0; i < std::min(one.size(), other.size()); ++i)
+    differs |= static_cast<unsigned char>(one[i]) ^ static_cast<unsigned char>(other[i]);
+  return differs == 0;
 }
 
 }  // namespace
 
-RigExchange::RigExchange(std::string program_version, const RigTimeOuts& time_outs)
-    : program_version_(std::move(program_version)), time_outs_(time_outs) {}
+RigExchange::RigExchange(std::string program_version, const RigTimeOuts& time_outs, std::string token)
+    : program_version_(std::move(program_version)), time_outs_(time_outs), token_(std::move(token)) {}
 
 void RigExchange::begin(std::int64_t now_ns) {
   output_.clear();
@@ -79,7 +77,15 @@ void RigExchange::hear_too_long(std::string_view beginning, std::int64_t now_ns)
   refuse(fmt::format("longer than {} bytes", kLongestRigLine), now_ns);
 }
 
-void RigExchange::take(const RigHello& hello, std::int64_t now_ns) {
+void RigExchange::take(const RigHello& told, std::int64_t now_ns) {
+  RigHello hello = told;
+  const std::string token = std::exchange(hello.token, {});
+  if (!token_.empty() && !is_same_secret(token, token_)) {
+    end(RigFailure::no_hello,
+        "what listens there is not known to be the rig: its hello has not the token of the file that the rig file names",
+        now_ns);
+    return;
+  }
   if (greeted_) {
     refuse("a second hello", now_ns);
     return;
@@ -123,8 +129,10 @@ void RigExchange::take(const RigContact& contact, std::int64_t now_ns) {
   const bool good = state_ == State::presenting || state_ == State::stopping;
   if (std::string why = wrong_state("contact", contact.id, good); !why.empty())
     refuse(std::move(why), now_ns);
-  else
+  else {
+    ++contacts_;
     emit({now_ns, contact});
+  }
 }
 
 std::string RigExchange::wrong_done(const RigDone& done, std::int64_t now_ns) const {
@@ -133,7 +141,28 @@ std::string RigExchange::wrong_done(const RigDone& done, std::int64_t now_ns) co
   const double elapsed_s = 1e-9 * static_cast<double>(now_ns - presented_ns_);
   if (done.duration_s > elapsed_s + kRigClockSlack_s)
     return fmt::format("duration_s is {} s, {:.3f} s after \"present\"", done.duration_s, elapsed_s);
-  return {};
+  if (done.contacts > 0 && contacts_ == 0) return fmt::format("{} contacts, and none was told", done.contacts);
+  return done.outcome == RigOutcome::complete && !voided_ ? unfinished(done) : std::string();
+}
+
+// What was asked for has not happened, whatever the rig says; only this program's "enough" ends it before.
+std::string RigExchange::unfinished(const RigDone& done) const {
+  const RigExploration& how = request_.exploration;
+  if (how.from_contact && done.contacts == 0) return "\"complete\", and nothing was touched";
+  if (state_ == State::stopping) return {};
+  switch (how.ends) {
+    case RigExplorationEnd::time: {
+      const double explored_s = done.duration_s - (how.from_contact ? done.first_contact_s.value_or(0) : 0);
+      if (explored_s >= how.duration_s - kRigClockSlack_s) return {};
+      return fmt::format("\"complete\" after {:.3f} of {:g} s", explored_s, how.duration_s);
+    }
+    case RigExplorationEnd::contacts:
+      if (done.contacts >= how.contacts) return {};
+      return fmt::format("\"complete\" after {} of {} contacts", done.contacts, how.contacts);
+    case RigExplorationEnd::stop:
+      break;
+  }
+  return "\"complete\" before it was told that it is enough";
 }
 
 void RigExchange::take(const RigDone& done, std::int64_t now_ns) {
@@ -276,7 +305,9 @@ void RigExchange::tick(std::int64_t now_ns) {
   if (!engaged() || state_ == State::ready || now_ns <= deadline_ns_) return;
   switch (state_) {
     case State::preparing:
-      void_presentation(RigFailure::not_ready, fmt::format("not ready within {:g} s", time_outs_.prepare_s), now_ns);
+      void_presentation(RigFailure::not_ready,
+                        fmt::format("not ready within {:g} s", std::max(time_outs_.prepare_s, hello_->ready_s)),
+                        now_ns);
       stop_for(RigStop::time_out, now_ns);
       break;
     case State::due:
@@ -320,7 +351,8 @@ std::uint64_t RigExchange::prepare(const RenderRequest& request, std::int64_t no
   request_ = request;
   voided_ = false;
   state_ = State::preparing;
-  deadline_ns_ = now_ns + nanoseconds(time_outs_.prepare_s);
+  contacts_ = 0;
+  deadline_ns_ = now_ns + nanoseconds(std::max(time_outs_.prepare_s, hello_->ready_s));
   output_ += prepare_line(id_, request_);
   return id_;
 }
@@ -331,6 +363,15 @@ bool RigExchange::present(std::uint64_t id, std::int64_t now_ns) {
   deadline_ns_ = now_ns + nanoseconds(time_outs_.silent_s);
   say_present(now_ns);
   return true;
+}
+
+void RigExchange::give_up(std::uint64_t id, std::int64_t now_ns) {
+  if (lost_ || state_ != State::preparing || id != id_) return;
+  void_presentation(RigFailure::not_ready,
+                    fmt::format("not ready when its turn came: by its hello it needs at most {:g} s (\"ready_s\")",
+                                std::max(hello_->ready_s, time_outs_.ready_s)),
+                    now_ns);
+  stop_for(RigStop::time_out, now_ns);
 }
 
 void RigExchange::say_present(std::int64_t now_ns) {
@@ -377,7 +418,8 @@ std::vector<RigEvent> RigExchange::take_events() {
 
 void RigExchange::refuse(std::string why, std::int64_t now_ns) {
   ++traffic_.refused;
-  RigLineRefused refused{ascii_quote(line_), std::move(why)};
+  const bool secret = !token_.empty() && line_.find(token_) != std::string_view::npos;
+  RigLineRefused refused{secret ? "(a line with the token)" : ascii_quote(line_), std::move(why)};
   if (refused_lines_.size() == kRefusedLinesKept) refused_lines_.pop_front();
   refused_lines_.push_back(refused);
   emit({now_ns, std::move(refused)});

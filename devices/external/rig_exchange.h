@@ -82,7 +82,8 @@ struct RigTraffic {
 // Thread rule: one thread.
 class RigExchange {
  public:
-  RigExchange(std::string program_version, const RigTimeOuts& time_outs);
+  // token: what its hello has to carry; empty: nothing. No event and no message has it.
+  RigExchange(std::string program_version, const RigTimeOuts& time_outs, std::string token = {});
 
   // -- the connection's side ------------------------------------------------------------------------------------------
 
@@ -116,6 +117,13 @@ class RigExchange {
   // Presents what is ready: RigDone with outcome complete, or RigVoid, always. False if `id` is not ready. A rig that is
   // silent just now is told to present when it answers.
   bool present(std::uint64_t id, std::int64_t now_ns);
+  // Gets ready for it, or is.
+  bool prepares(std::uint64_t id) const noexcept {
+    return id == id_ && !voided_ && (state_ == State::preparing || state_ == State::ready);
+  }
+  bool is_ready(std::uint64_t id) const noexcept { return id == id_ && state_ == State::ready; }
+  // Its turn has come, and it is not ready: void.
+  void give_up(std::uint64_t id, std::int64_t now_ns);
   // Asks for an answer by the rig's own buttons: RigAnswer once, or RigVoid where the rig is lost first. Returns the
   // question's id; 0 where it has no buttons or is not idle.
   std::uint64_t ask(const std::vector<std::string>& answers, std::int64_t now_ns);
@@ -144,6 +152,7 @@ class RigExchange {
   std::string wrong_state(std::string_view what, std::uint64_t id, bool good_state) const;
   std::string wrong_names(const NamedNumbers& numbers) const;
   std::string wrong_done(const RigDone& done, std::int64_t now_ns) const;
+  std::string unfinished(const RigDone& done) const;
 
   void finish(const RigDone& done, std::int64_t now_ns);
   void refuse(std::string why, std::int64_t now_ns);
@@ -162,6 +171,7 @@ class RigExchange {
 
   const std::string program_version_;
   const RigTimeOuts time_outs_;
+  const std::string token_;
   std::string output_;
   std::deque<RigEvent> events_;
   std::optional<RigLost> lost_;
@@ -177,6 +187,7 @@ class RigExchange {
   std::int64_t deadline_ns_ = 0;   // of the state
   std::int64_t presented_ns_ = 0;  // 0: not yet
   bool voided_ = false;            // it has its RigVoid already
+  int contacts_ = 0;               // that it told
   std::uint64_t question_ = 0;
   std::vector<std::string> answers_;
 

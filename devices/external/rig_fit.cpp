@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -131,10 +132,28 @@ std::vector<std::string> rig_problems(const RigDemand& demand, const RigHello& h
       add(fmt::format("{} is held against limits, and the rig does not measure it: \"measures\" would say {}", measure,
                       names_of_measure(measure)));
   if (demand.places > hello.places) add("two values are to be felt side by side, and the rig presents one at a time");
+  if (demand.gap_s && hello.holds && *demand.gap_s < hello.ready_s)
+    add(fmt::format("the rig needs up to {0} s to get ready for a value, and gap_s is {1} s: make it at least {0}",
+                    plain(hello.ready_s), plain(*demand.gap_s)));
   if (demand.answers && !hello.answers) add("participants are to answer on the rig, and it has no buttons");
   if (demand.real && hello.model)
     add("the rig is a model in software by its own word: what is felt with it is no real data");
   return problems;
+}
+
+std::vector<std::string> rig_cautions(const RigDemand& demand, const RigHello& hello) {
+  if (hello.holds || !demand.gap_s) return {};
+  return {
+      "the rig cannot hold what it has prepared, so it gets ready between the cue and the stimulus: how long that takes "
+      "can tell everybody present how far a value is from the one before, and so same from different"};
+}
+
+bool is_same_rig(const RigHello& before, const RigHello& now) {
+  const auto facts = [](const RigHello& its) {
+    return std::tie(its.name, its.version, its.serial, its.model, its.answers, its.places, its.ready_s, its.holds,
+                    its.quantities, its.parameters, its.measures);
+  };
+  return facts(before) == facts(now);
 }
 
 std::string rig_request_problem(const RenderRequest& request, const RigHello& hello) {

@@ -19,6 +19,8 @@ constexpr double kLargestId = 9007199254740991;
 constexpr NumberLimits kNumber{.min = -kLargestRigNumber, .max = kLargestRigNumber};
 constexpr NumberLimits kTime{.min = 0, .max = kLongestRigTime_s, .unit = "s"};
 constexpr TextLimits kLabel{.max_length = 100};
+constexpr NumberLimits kReadyTime{.min = 0, .max = 60, .unit = "s"};
+constexpr TextLimits kToken{.max_length = 200};
 constexpr TextLimits kUnit{.max_length = 20, .may_be_empty = true};
 constexpr TextLimits kChoiceWord{.max_length = 60};
 
@@ -77,6 +79,9 @@ class RigLineReading {
     hello.model = reader.boolean("model");
     hello.answers = reader.boolean("answers");
     hello.places = reader.integer_or("places", 1, {.min = 1, .max = 2});
+    hello.ready_s = reader.number_or("ready_s", 0, kReadyTime);
+    hello.holds = reader.boolean_or("holds", true);
+    hello.token = reader.text_or("token", "", kToken);
     if (const JsonNode* list = reader.array("quantities", 1, kMostRigItems))
       for (const JsonNode& node : list->items) hello.quantities.push_back(read_range(node, "quantities"));
     if (const JsonNode* list = reader.array("parameters", 0, kMostRigItems))

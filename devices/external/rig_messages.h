@@ -1,4 +1,4 @@
-// What the program and an external rig say to each other, as records: version 1.1 of devices/external/PROTOCOL.md.
+// What the program and an external rig say to each other, as records: version 1.2 of devices/external/PROTOCOL.md.
 #pragma once
 
 #include <array>
@@ -39,6 +39,7 @@ struct RigChoice {
 using RigParameter = std::variant<RigRange, RigChoice>;
 struct RigChannel {
   std::string name, unit;
+  bool operator==(const RigChannel&) const = default;
 };
 
 struct RigHello {
@@ -49,6 +50,9 @@ struct RigHello {
   std::vector<RigChannel> measures;
   bool answers = false;  // it has buttons of its own
   int places = 1;        // values that it presents side by side, at most: 1 or 2
+  double ready_s = 0;    // longest time from "prepare" to "ready"
+  bool holds = true;     // what is ready stays so until "present", without anybody feeling it
+  std::string token;     // over TCP; in no message and in no log
 };
 
 struct RigReady {

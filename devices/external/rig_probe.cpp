@@ -41,7 +41,7 @@ RigProbe::RigProbe(const ExternalSettings& settings, const std::atomic<bool>& in
     : interrupted_(interrupted),
       sigpipe_(std::make_unique<BlockedSigpipe>()),
       connection_(settings),
-      exchange_(kVersion, settings.time_outs) {
+      exchange_(kVersion, settings.time_outs, settings.token) {
   exchange_.begin(clock_.now_ns());
 }
 
@@ -81,7 +81,7 @@ bool RigProbe::until(double seconds, const std::function<bool()>& over) {
   return true;
 }
 
-Probed RigProbe::present(const RenderRequest& request, std::optional<double> stop_after_s, RigStop reason) {
+Probed RigProbe::present(const RenderRequest& request, const Course& course) {
   Probed probed;
   (void)exchange_.take_events();
   std::string why;
@@ -91,21 +91,28 @@ Probed RigProbe::present(const RenderRequest& request, std::optional<double> sto
     probed.voided = RigVoid{0, RigFailure::ended, why};
     return probed;
   }
-  std::optional<double> stop_s, stopped_s;
+  std::optional<double> present_s, stop_s, stopped_s;
   while (!probed.done && !probed.voided) {
     for (const RigEvent& event : exchange_.take_events()) {
       if (std::holds_alternative<RigReady>(event.what)) {
         probed.ready_ms = 1000 * (now_s() - asked_s);
-        (void)exchange_.present(id, clock_.now_ns());
-        if (stop_after_s) stop_s = now_s() + *stop_after_s;
+        present_s = now_s() + course.hold_s;
       }
-      if (std::holds_alternative<RigContact>(event.what)) ++probed.contacts;
+      if (std::holds_alternative<RigContact>(event.what)) {
+        ++probed.contacts;
+        if (course.stop_after_s && !stop_s) stop_s = now_s() + *course.stop_after_s;
+      }
       if (const auto* done = std::get_if<RigDone>(&event.what)) probed.done = *done;
       if (const auto* voided = std::get_if<RigVoid>(&event.what)) probed.voided = *voided;
     }
+    if (present_s && now_s() >= *present_s) {
+      present_s.reset();
+      (void)exchange_.present(id, clock_.now_ns());
+      if (course.stop_after_s && course.reason != RigStop::enough) stop_s = now_s() + *course.stop_after_s;
+    }
     if (stop_s && !stopped_s && now_s() >= *stop_s) {
       stopped_s = now_s();
-      exchange_.stop(reason, clock_.now_ns());
+      exchange_.stop(course.reason, clock_.now_ns());
     }
     if (!probed.done && !probed.voided) step();
   }

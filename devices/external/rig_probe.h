@@ -47,9 +47,13 @@ class RigProbe {
   // Goes on until `over` holds, the rig is lost, or so long. Whether `over` holds.
   bool until(double seconds, const std::function<bool()>& over);
 
-  // stop_after_s: from the first contact, or from the beginning where there is none; with which reason.
-  Probed present(const RenderRequest& request, std::optional<double> stop_after_s = {},
-                 RigStop reason = RigStop::interrupted);
+  // When a presentation is told to present, and to stop.
+  struct Course {
+    double hold_s = 0;                     // from "ready" to "present"
+    std::optional<double> stop_after_s{};  // from "present"; of one that is enough, from the first contact
+    RigStop reason = RigStop::interrupted;
+  };
+  Probed present(const RenderRequest& request, const Course& course);
 
   // What a session never says: a line as it is; and what the rig makes of it. Answers to "alive" go to the conversation
   // all the same.

@@ -1,10 +1,8 @@
 #include "devices/rigs/laboratory_rig.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <set>
-#include <thread>
 #include <utility>
 
 #include <fmt/format.h>
@@ -12,6 +10,7 @@
 #include "devices/device_error.h"
 #include "protocols/course/prescription.h"
 #include "protocols/input/input_error.h"
+#include "protocols/tasks/task.h"
 
 namespace jnd {
 namespace {
@@ -43,6 +42,8 @@ RigDemand rig_demand(const Protocol& protocol) {
   }
   demand.values.assign(values.begin(), values.end());
   if (protocol.task.together) demand.places = 2;
+  if (felt_intervals(protocol.task) > 1 || task_of(protocol.task.kind).adjusts())
+    demand.gap_s = protocol.timeline.gap_s;
   for (const Condition& condition : protocol.conditions) {
     demand.conditions.push_back(parameters_of(condition, false));
     if (const Prescription* const prescription = prescription_of(protocol, condition))
@@ -61,7 +62,11 @@ RigInfo laboratory_rig_info(const ExternalSettings& settings) {
 }
 
 LaboratoryRig::LaboratoryRig(const ExternalSettings& settings, const Protocol& protocol, Clock& clock)
-    : protocol_(protocol), clock_(clock), rig_(settings, clock), info_(laboratory_rig_info(settings)) {
+    : protocol_(protocol),
+      clock_(clock),
+      time_outs_(settings.time_outs),
+      rig_(settings, clock, stop),
+      info_(laboratory_rig_info(settings)) {
   if (!rig_.await_hello(settings.time_outs.hello_s)) throw DeviceError(rig_.missing());
   const RigHello hello = rig_.hello().value();
   const std::vector<std::string> problems = rig_problems(rig_demand(protocol), hello);
@@ -72,19 +77,13 @@ LaboratoryRig::LaboratoryRig(const ExternalSettings& settings, const Protocol& p
   }
   for (const RigChannel& channel : hello.measures) measures_.push_back({channel.name, channel.unit});
   has_buttons_ = hello.answers;
+  holds_ = hello.holds;
+  ready_s_ = hello.ready_s;
   info_.name = fmt::format("{} {}", hello.name, hello.version);
   info_.simulated = hello.model;
 }
 
-Presentation LaboratoryRig::present(const PresentRequest& request) {
-  if (!stop.latched()) rig_.stop.clear();
-  // Who stops the session stops the rig: it has a latch of its own, because its thread outlives presentations.
-  const std::jthread passing_on([this](const std::stop_token& over) {
-    while (!over.stop_requested()) {
-      if (stop.latched()) rig_.stop.latch(stop.source());
-      std::this_thread::sleep_for(std::chrono::milliseconds(2));
-    }
-  });
+RenderRequest LaboratoryRig::asked_of(const PresentRequest& request) const {
   RenderRequest asked;
   asked.id = request.id;
   asked.quantity = protocol_.stimulus.quantity;
@@ -96,9 +95,9 @@ Presentation LaboratoryRig::present(const PresentRequest& request) {
     if (request.beside && !condition->standard_parameters.empty())
       asked.beside_parameters = parameters_of(*condition, request.beside_of_standard);
   }
-  asked.exploration.ends = request.contacts > 0 ? RigExplorationEnd::contacts
-                           : request.enough     ? RigExplorationEnd::stop
-                                                : RigExplorationEnd::time;
+  asked.exploration.ends = request.contacts > 0                                  ? RigExplorationEnd::contacts
+                           : protocol_.timeline.interval_end == IntervalEnd::key ? RigExplorationEnd::stop
+                                                                                 : RigExplorationEnd::time;
   asked.exploration.duration_s = request.explore_s;
   asked.exploration.contacts = request.contacts;
   if (request.condition != nullptr) {
@@ -110,6 +109,31 @@ Presentation LaboratoryRig::present(const PresentRequest& request) {
   }
   asked.exploration.no_contact_s = request.no_contact_time_out_s;
   asked.time_out_s = request.explore_s + request.no_contact_time_out_s;
+  return asked;
+}
+
+std::int64_t LaboratoryRig::prepare(const PresentRequest& request) {
+  if (!holds_ || stop.latched()) return 0;
+  RenderRequest asked = asked_of(request);
+  if (prepared_ && prepared_->is_for(asked) && rig_.prepares(prepared_->id)) return prepared_->due_ns;
+  if (prepared_) rig_.let_go();
+  prepared_.reset();
+  (void)rig_.wait(0);  // what came before is not of this presentation
+  std::string why;     // present() says it
+  const std::uint64_t id = rig_.prepare(asked, why);
+  if (id == 0) return 0;
+  const double ready_s = std::max(ready_s_, time_outs_.ready_s);
+  prepared_ = Prepared{std::move(asked), id, clock_.now_ns() + std::llround(1e9 * ready_s)};
+  return prepared_->due_ns;
+}
+
+Presentation LaboratoryRig::present(const PresentRequest& request) {
+  const RenderRequest asked = asked_of(request);
+  std::optional<Prepared> prepared = std::exchange(prepared_, std::nullopt);
+  if (prepared && !prepared->is_for(asked)) {
+    rig_.let_go();
+    prepared.reset();
+  }
   trace_ = {.channels = measures_, .samples = {}, .dropped = 0};
   const std::int64_t began_ns = clock_.now_ns();
   const std::int64_t dropped_before = rig_.report().traffic.dropped;
@@ -127,7 +151,9 @@ Presentation LaboratoryRig::present(const PresentRequest& request) {
     return request.enough && request.enough();
   };
   const bool by_time = asked.exploration.ends == RigExplorationEnd::time;
-  const Rendered rendered = rig_.render(asked, hear, by_time ? std::function<bool()>() : enough);
+  const std::function<bool()> ends = by_time ? std::function<bool()>() : enough;
+  // A rig that holds was told to prepare() before; what it is asked for unprepared, such as after a new start, it is told now.
+  const Rendered rendered = prepared ? rig_.render_prepared(prepared->id, hear, ends) : rig_.render(asked, hear, ends);
   trace_.dropped = rig_.report().traffic.dropped - dropped_before;
   Presentation presentation = presentation_of(rendered, stop.source());
   if (!rendered.done) return presentation;

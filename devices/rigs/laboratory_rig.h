@@ -15,6 +15,7 @@ class LaboratoryRig final : public Rig, private RigButtons {
   LaboratoryRig(const ExternalSettings& settings, const Protocol& protocol, Clock& clock);
 
   const RigInfo& info() const noexcept override { return info_; }
+  std::int64_t prepare(const PresentRequest& request) override;
   Presentation present(const PresentRequest& request) override;
   void neutral() noexcept override;
   void watch(const std::function<void(const LoopSnapshot&)>& look) override { look_ = look; }
@@ -29,14 +30,28 @@ class LaboratoryRig final : public Rig, private RigButtons {
   std::optional<Pressed> pressed() override;
   void withdraw() override;
   void keep(const RigTelemetry& telemetry, double heard_s);
+  RenderRequest asked_of(const PresentRequest& request) const;
+
+  // What the rig gets ready for, or is.
+  struct Prepared {
+    RenderRequest asked;
+    std::uint64_t id = 0;
+    std::int64_t due_ns = 0;
+    bool is_for(const RenderRequest& other) const {
+      return other.id == asked.id && other.value == asked.value && other.beside == asked.beside;
+    }
+  };
 
   const Protocol& protocol_;
   Clock& clock_;
+  const RigTimeOuts time_outs_;
   ExternalRig rig_;
   RigInfo info_;
   std::vector<Trace::Channel> measures_;  // of its hello
   Trace trace_;
-  bool has_buttons_ = false;
+  std::optional<Prepared> prepared_;
+  bool has_buttons_ = false, holds_ = true;
+  double ready_s_ = 0;
   std::uint64_t question_ = 0;  // that a button may answer; 0: none
   std::int64_t asked_ns_ = 0;
   std::vector<std::string> answers_;

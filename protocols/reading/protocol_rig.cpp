@@ -198,13 +198,13 @@ void read_rig(const JsonNode& node, ProtocolReading& reading) {
                                                      {"rrs3+mckibben", "rrs3+mckibben"},
                                                      {std::string_view(kExternalRig), std::string(kExternalRig)},
                                                      {std::string_view(kSpecimenRig), std::string(kSpecimenRig)}});
+  if (reading.explores() && reading.knows_rig() && rig.device != "rrs3")
+    reader.error("device", fmt::format("{} cannot go round an object", in_quotes(rig.device)),
+                 "free interaction needs fingertip devices alone: \"rrs3\"");
   if (!rig.built_in()) return read_other_rig(reader, reading);
   if (reader.member("specimens") != nullptr)
     reader.error("specimens", fmt::format("belong to the rig {}", in_quotes(kSpecimenRig)), "remove them");
   reading.protocol.stimulus.unit = fitting_unit(rig);
-  if (reading.explores() && reading.knows_rig() && rig.device != "rrs3")
-    reader.error("device", fmt::format("{} cannot go round an object", in_quotes(rig.device)),
-                 "free interaction needs fingertip devices alone: \"rrs3\"");
   if (const JsonNode* fingers = reader.array("fingers", 1, 2)) read_fingers(*fingers, reading);
   read_tracker(reader, reading);
   read_mode(reader, reading);

@@ -18,6 +18,10 @@ CueSignal read_cue(JsonReader& cues, std::string_view key, ProtocolReading& read
   if (node == nullptr) return signal;
   JsonReader reader(*node, reading.errors, reading.file);
   signal.kind = reader.one_of<std::string>("kind", {{"sound", "sound"}, {"tap", "tap"}, {"none", "none"}});
+  if (signal.kind == "tap" && !reading.protocol.rig.built_in() && !reading.protocol.rig.device.empty())
+    reader.error(
+        "kind", fmt::format("\"tap\" is a burst of our own devices, not of {}", in_quotes(reading.protocol.rig.device)),
+        "write \"sound\", or \"none\"");
   signal.say = reader.text_or("say", "", {.max_length = 200});
   reader.finish();
   return signal;

@@ -10,6 +10,7 @@
 #include "protocols/planning/adaptive_run.h"
 #include "protocols/planning/allotment.h"
 #include "protocols/planning/plan.h"
+#include "protocols/planning/specimen_codes.h"
 #include "protocols/reading/protocol_json.h"
 #include "protocols/rigs/rig_description.h"
 #include "protocols/tasks/task.h"
@@ -43,6 +44,7 @@ struct CheckedFile {
   std::optional<PlannedPrecision> precision;  // of a protocol without errors that has one
   int trials = 0;
   double duration_s = 0;
+  std::optional<ToldByCodes> told{}, told_advised{};  // of specimens; none where none can be alike in a trial
 };
 
 PlannedPrecision planned_precision(const Protocol& protocol) {
@@ -63,6 +65,10 @@ CheckedFile check_file(const std::string& name_or_path) {
   constexpr std::uint64_t kAnySeed = 1;
   result.trials = main_trial_count(make_plan(protocol, first_of(protocol, largest_plan(protocol), kAnySeed), kAnySeed));
   result.duration_s = expected_duration_s(protocol);
+  if (protocol.rig.device == kSpecimenRig) {
+    result.told = told_by_codes(protocol);
+    result.told_advised = told_by_codes(protocol, kAdvisedCodes);
+  }
   if (has_precision(protocol)) result.precision = planned_precision(protocol);
   return result;
 }
@@ -82,6 +88,22 @@ void print_tracker(const Protocol& protocol) {
                          : tracker == "process" ? "a program that writes poses; the rig file names it"
                                                 : "a file of poses; the rig file names it";
   fmt::print("  tracker: {}, {} (jnd run --rig FILE)\n", tracker, is);
+}
+
+// What the codes of specimens give away, whatever the operator knows of the values.
+void print_told(const CheckedFile& result) {
+  if (!result.told) return;
+  const Protocol& protocol = *result.check.protocol;
+  std::size_t fewest = protocol.rig.specimens.front().codes.size();
+  for (const Specimen& specimen : protocol.rig.specimens) fewest = std::min(fewest, specimen.codes.size());
+  fmt::print(
+      "  specimens: who remembers which codes came together tells in {:.0f} % of trials whether two are alike (by chance "
+      "{:.0f} %)",
+      100 * result.told->told, 100 * result.told->chance);
+  if (fewest < kAdvisedCodes)
+    fmt::print("; with {} codes per value in {:.0f} %, which is advised", kAdvisedCodes,
+               100 * result.told_advised->told);
+  fmt::print("\n");
 }
 
 // Of one participant; of groups, of the one with the most.
@@ -189,6 +211,7 @@ void print_check(const std::string& name, const CheckedFile& result) {
              duration_text(result.duration_s), protocol.sha256);
   print_groups(protocol);
   print_tracker(protocol);
+  print_told(result);
   if (result.precision) fmt::print("\n{}", precision_summary(*result.precision, protocol, name));
 }
 
@@ -210,6 +233,10 @@ void print_check_json(const CheckedFile& result) {
     out["groups"] = groups_json(*result.check.protocol);
     out["between"] = to_string(result.check.protocol->analysis.tests.between);
   }
+  if (result.told)
+    out["specimens"] = {{"told", result.told->told},
+                        {"chance", result.told->chance},
+                        {"told_with_six_codes", result.told_advised->told}};
   if (ok) out["tracker"] = result.check.protocol->rig.tracker;
   if (ok) out["sha256"] = result.check.protocol->sha256;
   fmt::print("{}\n", json_line(out));
@@ -219,9 +246,13 @@ int command_check(const CheckOptions& options) {
   bool all_ok = true;
   for (const std::string& name : options.protocols) {
     CheckedFile result = check_with_word(name);
-    if (!options.rig.empty() && result.check.errors.empty())
-      for (std::string& problem : ask_rig_of(options.rig, *result.check.protocol).problems)
+    if (!options.rig.empty() && result.check.errors.empty()) {
+      AskedRig asked = ask_rig_of(options.rig, *result.check.protocol);
+      for (std::string& problem : asked.problems)
         result.check.errors.push_back({name, 0, 0, "$.rig", std::move(problem), ""});
+      for (std::string& caution : asked.cautions)
+        result.check.warnings.push_back({name, 0, 0, "$.rig", std::move(caution), ""});
+    }
     all_ok = all_ok && result.check.errors.empty();
     if (options.json)
       print_check_json(result);

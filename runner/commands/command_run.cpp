@@ -1,5 +1,5 @@
 // jnd run: a session from this terminal. On simulated devices it is a rehearsal: kind pilot with a person at the keys,
-// kind simulated where a profile answers.
+// kind simulated where a profile answers. On specimens, which the operator hands over, it is real.
 #include <fmt/format.h>
 
 #include "data/log/event_body.h"
@@ -44,8 +44,8 @@ struct RunOptions {
   std::string participant;               // asked for where empty
   std::optional<std::uint64_t> seed;     // of a new study; drawn where not given
   std::optional<std::string> responder;  // a profile that answers instead of a person
-  std::string rig = "simulated";         // simulated, hid, or a rig file
-  bool participant_presses = false;      // who presses the answer keys
+  std::string rig;                   // simulated, hid, specimens, or a rig file; empty: what the protocol's rig is for
+  bool participant_presses = false;  // who presses the answer keys
   bool fast = false;
   bool plain = false;                             // a line at a time
   std::string events;                             // where they are told to another program; empty: nowhere
@@ -63,6 +63,12 @@ struct RunOptions {
   std::string record = "full";                    // off, events, full
   std::string realtime = "prefer";                // off, prefer, require
 };
+
+// Specimens are there where the operator is; whatever else is real has to be named.
+std::string rig_of_session(const RunOptions& options, const Protocol& protocol) {
+  if (!options.rig.empty()) return options.rig;
+  return !options.responder && protocol.rig.device == kSpecimenRig ? "specimens" : "simulated";
+}
 
 // What the user may choose, or what the rig is for.
 SessionKind kind_of(const RunOptions& options, bool rig_simulated) {
@@ -193,11 +199,12 @@ SessionCard card_of(const Protocol& protocol, const RunOptions& options, const S
 }
 
 SessionSummary summary_of(Study& study, const std::string& session, const RunOptions& options, const Plan& plan,
-                          const Rig& rig, SessionEnd end, double run_s) {
+                          const Rig& rig, SessionEnd end, double run_s, const Deliveries& deliveries) {
   SessionSummary summary;
   summary.study = study.path().string();
   summary.moved = summary.study != options.study;
   summary.run_s = run_s;
+  summary.deliveries = deliveries;
   summary.resumable = end == SessionEnd::interrupted;
   summary.free_interaction = !plan.explorations.empty();
   for (const SessionInfo& info : study.sessions()) {
@@ -223,7 +230,7 @@ int command_run(const RunOptions& options) {
   const RecordPolicy record = record_policy_of(options.record);
 
   SessionRequest request;
-  const ChosenRig chosen = choose_rig(options.rig, options.fast);
+  const ChosenRig chosen = choose_rig(rig_of_session(options, protocol), options.fast);
   request.kind = kind_of(options, chosen.source().info(protocol, description.spec).simulated);
   request.responder = person ? "keyboard" : "profile " + profile.name;
   request.profile_sha256 = person ? "" : profile.sha256;
@@ -352,9 +359,12 @@ int command_run(const RunOptions& options) {
   };
   SessionEnd end = SessionEnd::interrupted;
   std::string missing;  // of the rig, where that ended it
+  Deliveries deliveries;
   try {
-    end = SessionEngine(parts).run(replay(opened.log->events()),
-                                   {person && target.check.redo_block, person && target.check.practice_again});
+    SessionEngine engine(parts);
+    end = engine.run(replay(opened.log->events()),
+                     {person && target.check.redo_block, person && target.check.practice_again});
+    deliveries = deliveries_of(engine.course().state().completed, protocol);
     missing = person ? "" : missing_of(*rig, parts.sealed);
     note_connections(parts, recorder, "closed");
     tell_failures(sound.get(), *console);
@@ -365,7 +375,7 @@ int command_run(const RunOptions& options) {
   }
   const std::string summary =
       "\n" + summary_text(summary_of(*study, opened.id, options, plan, *rig, end,
-                                     static_cast<double>(machine_clock.now_ns() - began_ns) * 1e-9));
+                                     static_cast<double>(machine_clock.now_ns() - began_ns) * 1e-9, deliveries));
   if (end == SessionEnd::interrupted) {
     study->close();
     last_words((missing.empty() ? "" : tr("Missing: {}.", printable(missing)) + "\n") +
@@ -425,7 +435,8 @@ void add_run(CommandTree& tree) {
                    "a technician's view: force and depth of every device, live. They tell the stimuli, so the session "
                    "is marked as unblinded");
   command.add_flag("--bell", options.bell, "cues ring the terminal's bell instead of playing a sound");
-  command.add_option("--kind", options.kind, "real (default on a real rig) or pilot (default on a simulated one)");
+  command.add_option("--kind", options.kind,
+                     "real (default on a real rig, and on specimens) or pilot (default on a simulated one)");
   command.add_flag("--new", options.beside, "begin this participant while another one's session is unfinished");
   command.add_option("--accept-gap", options.accept_gap,
                      "go on after a longer interruption than the protocol allows, for this reason");
@@ -433,7 +444,8 @@ void add_run(CommandTree& tree) {
                      "begin in spite of what the readiness check found, for this reason");
   command.add_option(
       "--rig", options.rig,
-      "simulated (default), hid (the connected devices), specimens (the operator hands them over), or a rig file");
+      "simulated (default), hid (the connected devices), specimens (the operator hands them over: the default where the "
+      "protocol's rig is specimens), or a rig file");
   command.add_flag("--fast", options.fast, "rehearse without waiting: stimuli and pauses take no time");
   command.add_option("--record", options.record, "what is kept: off, events (faults), full (every tick; default)")
       .one_of({"off", "events", "full"});

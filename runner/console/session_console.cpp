@@ -9,6 +9,7 @@
 #include "devices/hid/buttons/button_box.h"
 #include "protocols/course/prescription.h"
 #include "protocols/tasks/task.h"
+#include "runner/console/session_summary.h"
 #include "runner/console/session_words.h"
 #include "runner/session/session_listener.h"
 #include "runner/terminal/terminal.h"
@@ -334,6 +335,10 @@ void SessionConsole::saved(const TrialOutline& outline, const Answer& answer) {
 void SessionConsole::off_prescription(const TrialOutline& outline) {
   prescribed_.clear();
   display_->tell(Tone::warning, tr("{} was not felt as prescribed; it is marked", full_name_of(outline)));
+}
+
+void SessionConsole::not_as_asked(const Deliveries& deliveries) {
+  display_->tell(Tone::warning, not_as_asked_text(deliveries));
 }
 
 void SessionConsole::voided(const TrialOutline& outline, const std::string& reason, bool will_repeat) {

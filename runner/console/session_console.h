@@ -39,6 +39,7 @@ class SessionConsole final : public Console, private Responder {
   OperatorRequest hand_over(const HandOver& what) override;
   void saved(const TrialOutline& outline, const Answer& answer) override;
   void off_prescription(const TrialOutline& outline) override;
+  void not_as_asked(const Deliveries& deliveries) override;
   void voided(const TrialOutline& outline, const std::string& reason, bool will_repeat) override;
   void took_back(bool will_repeat) override;
   bool waiting(double left_s, double total_s) override;

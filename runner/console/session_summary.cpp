@@ -29,6 +29,13 @@ std::string quoted(const std::string& path) {
 
 }  // namespace
 
+std::string not_as_asked_text(const Deliveries& deliveries) {
+  return tr(
+      "by its own measure the rig did not deliver what was asked in {} of {} intervals (more than {:.0f} % off): try "
+      "it with jnd device test external",
+      deliveries.off, deliveries.measured, 100 * kDeliveryTolerance);
+}
+
 std::string summary_text(const SessionSummary& summary) {
   const std::string study = printable(quoted(summary.study));
   std::vector<std::pair<std::string, std::string>> rows = {
@@ -41,6 +48,7 @@ std::string summary_text(const SessionSummary& summary) {
                       tr("slowest answer {:.0f} of {:.0f} ms while it presented, {:.0f} of {:.0f} ms while it waited",
                          summary.slowest_presenting_ms, 1000 * RigTimeOuts{}.presenting_silent_s,
                          summary.slowest_waiting_ms, 1000 * RigTimeOuts{}.silent_s));
+  if (summary.deliveries.off > 0) rows.emplace_back(tr("rig"), not_as_asked_text(summary.deliveries));
   if (summary.resumable)
     rows.emplace_back(tr("next"), summary.moved ? tr("the same command with --study {} goes on with it", study)
                                                 : tr("the same command goes on with it"));

@@ -3,6 +3,8 @@
 
 #include <string>
 
+#include "protocols/delivery.h"
+
 namespace jnd {
 
 struct SessionSummary {
@@ -13,7 +15,11 @@ struct SessionSummary {
   bool moved = false;                                        // it was rescued into another file than was given
   bool free_interaction = false;                             // objects are counted instead of trials
   double slowest_presenting_ms = 0, slowest_waiting_ms = 0;  // as in DeviceLinkReport; both 0: no external rig
+  Deliveries deliveries{};                                   // of the session
 };
+
+// "in 4 of 20 intervals ...", for the operator.
+std::string not_as_asked_text(const Deliveries& deliveries);
 
 // Lines, each with its end; to be read below the last words.
 std::string summary_text(const SessionSummary& summary);

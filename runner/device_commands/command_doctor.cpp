@@ -133,6 +133,8 @@ Checks check_external_rig(const ExternalSettings& settings, const Protocol* prot
                             .verdict = Verdict::bad,
                             .found = std::move(problem),
                             .what_to_do = "change the protocol, or take another rig"});
+  for (std::string& caution : asked.cautions)
+    asked.checks.push_back({.what = "protocol", .verdict = Verdict::warn, .found = std::move(caution)});
   for (Check& check : asked.checks) check.what = "external rig: " + check.what;
   return std::move(asked.checks);
 }

@@ -60,7 +60,8 @@ OwnedFile connected_socket(const std::string& path) {
     throw no_events(path, fmt::format("{}; start the program that listens there first, or give the number of an open "
                                       "file descriptor",
                                       std::strerror(errno)));
-  if (!is_same_user(socket)) throw no_events(path, "another user's program listens there; start it as the same user");
+  if (!is_same_user(socket.get()))
+    throw no_events(path, "another user's program listens there; start it as the same user");
   return socket;
 }
 

@@ -27,8 +27,11 @@ AskedRig ask_external_rig(const ExternalSettings& settings, const Protocol* prot
         fmt::format("the protocol asks for the rig {}, and the rig file names an external one", protocol->rig.device)};
   else if (!conformance.hello)
     asked.problems = {"the rig does not say what it can present: " + asked.checks.back().found};
-  else
-    asked.problems = rig_problems(rig_demand(*protocol), *conformance.hello);
+  else {
+    const RigDemand demand = rig_demand(*protocol);
+    asked.problems = rig_problems(demand, *conformance.hello);
+    asked.cautions = rig_cautions(demand, *conformance.hello);
+  }
   return asked;
 }
 

@@ -13,6 +13,7 @@ namespace jnd {
 struct AskedRig {
   Checks checks;                      // of its hello and its end
   std::vector<std::string> problems;  // why it cannot present what the protocol asks, each a sentence; empty: it can
+  std::vector<std::string> cautions;  // what has to be known where it can
 };
 
 // protocol: null where there is none to hold it against; with one a rig without a hello is a problem. Throws Stopped.

@@ -39,6 +39,7 @@ class ScreenDisplay final : public Display {
 
   void begin(const SessionCard& card) override {
     model_.card = card;
+    model_.first = true;
     painter_ = make_painter_();
     if (!painter_) return lines_.begin(card);
     log(card.resumed ? tr("the session goes on") : tr("the session begins"));
@@ -59,6 +60,7 @@ class ScreenDisplay final : public Display {
     model_.scrolled = 0;
     model_.help = false;
     read_ = false;
+    turn();
     if (scene.heading.empty())
       model_.scene.keys = scene.keys;  // a question: what was said stays
     else
@@ -212,6 +214,7 @@ class ScreenDisplay final : public Display {
   void page(const QuestionnairePage& page) override {
     if (!painter_) return lines_.page(page);
     if (model_.page == nullptr || page.at() != question_) {
+      turn();
       model_.scrolled = 0;
       read_ = false;
     }
@@ -276,6 +279,9 @@ class ScreenDisplay final : public Display {
     return static_cast<int>(std::ceil(*phase.left_s));
   }
   std::string now_text() const { return time_of_day(clock_->utc_ns(), "%H:%M:%S"); }
+
+  // Another page of the session: only the first one is the first.
+  void turn() { model_.first = model_.first && !std::exchange(shown_, true); }
 
   void keep(const LogLine& line) {
     model_.log.push_back(line);
@@ -345,6 +351,7 @@ class ScreenDisplay final : public Display {
   Unseen unseen_ = Unseen::nothing;
   bool read_ = false;  // all of the scene's text, or of the page's question, was on view
   bool feedback_ = false;
+  bool shown_ = false;  // a first page was
 };
 
 }  // namespace

@@ -131,7 +131,8 @@ Frame lay_out(const ScreenModel& model, int rows, int columns, bool unicode) {
     status.insert(status.begin(), forces.begin(), forces.end());
   }
   const auto least = static_cast<int>(status.size());
-  const MainPart middle = main_part(area, model, free - least - kept);
+  // Of the first screen nothing has happened yet.
+  const MainPart middle = main_part(area, model, model.first ? free : free - least - kept);
   const auto wanted = static_cast<int>(middle.rows.size());
   if (wanted + least > free) status.clear();
   const int rest = free - static_cast<int>(status.size()) - wanted;

@@ -59,6 +59,7 @@ struct ScreenModel {
   const QuestionnairePage* page = nullptr;
   bool help = false;   // the keys that work now, over the rest
   bool large = false;  // the participant's texts in large letters
+  bool first = false;  // nothing was answered yet: in large letters, whether the session counts
 };
 
 struct Style {

@@ -309,7 +309,7 @@ MainPart scene_part(const Area& area, const ScreenModel& model, int room) {
   std::vector<Row> said;
   if (!model.say.empty()) add_say(area, model, left - (phase ? 1 : 0), said);
   left -= static_cast<int>(said.size());
-  if (phase) add_phase(area, model, model.scene.to_read ? 0 : left, part.rows);
+  if (phase) add_phase(area, model, model.scene.to_read || model.first ? 0 : left, part.rows);
   part.rows.insert(part.rows.end(), said.begin(), said.end());
   part.rows.insert(part.rows.end(), heading.begin(), heading.end());
   const auto before = static_cast<int>(part.rows.size());
@@ -322,13 +322,30 @@ MainPart scene_part(const Area& area, const ScreenModel& model, int room) {
   return part;
 }
 
+// On the first screen: whether the session counts, as large as there is room.
+void add_kind(const Area& area, const ScreenModel& model, int room, MainPart& part) {
+  const bool real = model.card.kind == SessionKind::real;
+  if (!model.first || model.card.kind == SessionKind::simulated) return;
+  const auto letters = largest_text(real ? tr("REAL") : tr("REHEARSAL"), area.columns - 2 * kEdge,
+                                    room - static_cast<int>(part.rows.size()), area.unicode);
+  if (!letters) return;
+  std::vector<Row> rows;
+  add_large(area, *letters, style_of(real ? Shade::real : Shade::rehearsal), rows);
+  const auto added = static_cast<int>(rows.size());
+  part.rows.insert(part.rows.begin(), rows.begin(), rows.end());
+  part.least += rows.size();
+  if (part.cursor) part.cursor->first += added;
+}
+
 }  // namespace
 
 MainPart main_part(const Area& area, const ScreenModel& model, int room) {
   if (model.help) return help_part(area, model);
   if (model.stop) return stop_part(area, model, room);
-  if (model.page != nullptr && !model.dialog && !model.field) return questions_part(area, model);
-  return scene_part(area, model, room);
+  MainPart part = model.page != nullptr && !model.dialog && !model.field ? questions_part(area, model)
+                                                                         : scene_part(area, model, room);
+  add_kind(area, model, room, part);
+  return part;
 }
 
 }  // namespace jnd

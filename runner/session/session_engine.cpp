@@ -15,6 +15,9 @@ namespace jnd {
 
 namespace {
 
+// Answered trials from one word about the rig to the next.
+constexpr int kTrialsPerWord = 10;
+
 // Nothing but the main part, and what comes behind it, is left.
 bool opens_main(const Step& step) {
   const auto* page = std::get_if<step::Ask>(&step);
@@ -95,11 +98,15 @@ void SessionEngine::carry_out(const step::Present& due) {
   seconds_in_trials_ += *took_s;
   ++trials_timed_;
   say_progress();
+  if (trials_timed_ % kTrialsPerWord != 0) return;
+  if (const Deliveries deliveries = deliveries_of(course_.state().completed, protocol_); deliveries.off > 0)
+    parts_.view.not_as_asked(deliveries);
 }
 
 bool SessionEngine::ready(const Trial& next, const TrialOutline& outline) {
   for (;;) {
     const OperatorRequest request = settle(parts_, recorder_, after_trial(), [&] {
+      conductor_.get_ready(next, outline);
       (void)conductor_.rested();  // a note or a pause leaves its rest
       return parts_.view.ready(outline);
     });

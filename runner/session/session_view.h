@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "protocols/delivery.h"
 #include "protocols/protocol.h"
 #include "protocols/vocabulary.h"
 #include "runner/session/operator_request.h"
@@ -104,6 +105,9 @@ class SessionView {
   virtual void voided(const TrialOutline&, const std::string& /*reason*/, bool /*will_repeat*/) {}
   // The trial that was saved broke the prescription. By how much may tell the stimulus, so it is not said here.
   virtual void off_prescription(const TrialOutline&) {}
+  // Every now and then, where it is true: by the rig's own measure it did not deliver what was asked. So far in the session,
+  // and at times that no stimulus sets: in which interval could tell it.
+  virtual void not_as_asked(const Deliveries&) {}
   // The last answer was taken back.
   virtual void took_back(bool /*will_repeat*/) {}
   // After an emergency stop, with the devices at rest: go_on clears it, its text is the operator's reason; an end ends

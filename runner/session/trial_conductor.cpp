@@ -10,6 +10,7 @@
 #include "devices/loop/telemetry_ring.h"
 #include "protocols/condition_words.h"
 #include "protocols/course/prescription.h"
+#include "protocols/planning/specimen_codes.h"
 #include "protocols/tasks/task.h"
 #include "runner/session/device_health.h"
 #include "runner/session/rig_connections.h"
@@ -25,9 +26,9 @@ constexpr double kTap_s = 0.15;  // the burst of 100 ms, and its end
 // A trial whose answers accept nothing after so many looks comes again.
 constexpr int kMostLooks = 200;
 
-// What the operator hands over. Of several specimens of a value the trials take turns, and a trial that has the value
-// twice has two of them, so that no code says how often a value comes.
-HandOver specimens_of(const Trial& trial, const Intervals& stimuli, int interval, const Protocol& protocol) {
+// What the operator hands over.
+HandOver specimens_of(const Trial& trial, const Intervals& stimuli, int interval, const Protocol& protocol,
+                      const std::vector<std::string>& codes) {
   static constexpr std::array<const char*, 2> kSides = {"left", "right"};
   static constexpr std::array<const char*, kMostIntervals> kTurns = {"first", "second", "third"};
   const bool together = protocol.task.together;
@@ -35,12 +36,7 @@ HandOver specimens_of(const Trial& trial, const Intervals& stimuli, int interval
   what.condition = condition_words(protocol.conditions[static_cast<std::size_t>(trial.condition)]);
   for (std::size_t i = 0; i < stimuli.size(); ++i) {
     if (!together && static_cast<int>(i) != interval) continue;
-    const auto before = std::count(stimuli.begin(), stimuli.begin() + i, stimuli[i]);
-    for (const Specimen& specimen : protocol.rig.specimens) {
-      if (specimen.value != stimuli[i]) continue;
-      const std::size_t turn = static_cast<std::size_t>(trial.index + before) % specimen.codes.size();
-      what.items.push_back({together ? kSides[i] : stimuli.size() > 1 ? kTurns[i] : "", specimen.codes[turn]});
-    }
+    what.items.push_back({together ? kSides[i] : stimuli.size() > 1 ? kTurns[i] : "", codes[i]});
   }
   return what;
 }
@@ -61,6 +57,10 @@ TrialConductor::~TrialConductor() {
   parts_.rig.watch({});
 }
 
+void TrialConductor::get_ready(const Trial& trial, const TrialOutline& outline) {
+  earliest_ns_ = std::max(earliest_ns_, parts_.rig.prepare(request_of({trial, outline, trial.stimuli}, 0)));
+}
+
 std::optional<double> TrialConductor::conduct(const Trial& trial, const TrialOutline& outline) {
   Attempt attempt{trial, outline, trial.stimuli};
   const Protocol& protocol = parts_.protocol;
@@ -68,6 +68,8 @@ std::optional<double> TrialConductor::conduct(const Trial& trial, const TrialOut
   await_rig(parts_, recorder_, after_trial());
   // A stop that came meanwhile: nothing is presented before a person has cleared it.
   handle_interrupts(parts_, recorder_, after_trial());
+  get_ready(trial, outline);  // a pause or a new start of the rig has undone it
+  wait_out(parts_, recorder_, earliest_ns_, after_trial());
   recorder_.record_mark(TrialBegan{trial.index, outline.attempt},
                         {{"index", trial.index}, {"attempt", outline.attempt}});
   const std::int64_t began = parts_.clock.now_ns();
@@ -92,7 +94,7 @@ std::optional<double> TrialConductor::conduct(const Trial& trial, const TrialOut
       void_attempt(attempt, "not_accepted", {}, true);
       return std::nullopt;
     }
-    if (!gap_passes(attempt)) return std::nullopt;
+    if (!gap_passes(attempt, 0)) return std::nullopt;
   }
   answer = task.settled(*answer, attempt.stimuli);
 
@@ -120,7 +122,7 @@ bool TrialConductor::present_all(const Attempt& attempt, TrialRecord& record) {
   // Together, all of it is one interval: what is felt of one place is felt of the other.
   const int intervals = felt_intervals(protocol.task);
   for (int interval = 0; interval < intervals; ++interval) {
-    if (interval > 0 && !gap_passes(attempt)) return false;
+    if (interval > 0 && !gap_passes(attempt, interval)) return false;
     if (!hand_over(attempt, interval)) return false;
     if (!cue(attempt, static_cast<CuePlace>(interval))) return false;
     Presentation& presentation = record.presentations[static_cast<std::size_t>(interval)];
@@ -221,8 +223,9 @@ bool TrialConductor::voided_by_interruption(const Attempt& attempt) {
 }
 
 // What the operator asks for meanwhile is seen to at once, and the rest of the gap passes after it.
-bool TrialConductor::gap_passes(const Attempt& attempt) {
-  const std::int64_t deadline_ns = after_s(parts_.protocol.timeline.gap_s);
+bool TrialConductor::gap_passes(const Attempt& attempt, int next) {
+  const std::int64_t over_ns = after_s(parts_.protocol.timeline.gap_s);
+  const std::int64_t deadline_ns = std::max(over_ns, parts_.rig.prepare(request_of(attempt, next)));
   while (!wait_until(parts_, deadline_ns, OperatorHeard::in_gap))
     if (voided_by_interruption(attempt) || voided_on_request(attempt)) return false;
   return true;
@@ -259,7 +262,9 @@ void TrialConductor::log_void(const Trial& trial, int attempt, const std::string
 bool TrialConductor::hand_over(const Attempt& attempt, int interval) {
   const Protocol& protocol = parts_.protocol;
   if (protocol.rig.device != kSpecimenRig || !parts_.person) return true;
-  const HandOver what = specimens_of(attempt.trial, attempt.stimuli, interval, protocol);
+  const HandOver what = specimens_of(
+      attempt.trial, attempt.stimuli, interval, protocol,
+      specimen_codes(protocol, parts_.plan, attempt.trial.index, attempt.outline.attempt, attempt.stimuli));
   for (;;) {
     const OperatorRequest request = parts_.view.hand_over(what);
     if (request.kind == Request::go_on) return true;
@@ -303,7 +308,7 @@ bool TrialConductor::cue(const Attempt& attempt, CuePlace place) {
   return given.fault == Fault::none || !voided_after(attempt, interval, given);
 }
 
-Presentation TrialConductor::present(const Attempt& attempt, int interval) {
+PresentRequest TrialConductor::request_of(const Attempt& attempt, int interval) const {
   const Protocol& protocol = parts_.protocol;
   const Timeline& timeline = protocol.timeline;
   const Trial& trial = attempt.trial;
@@ -322,14 +327,19 @@ Presentation TrialConductor::present(const Attempt& attempt, int interval) {
   request.no_contact_time_out_s = timeline.no_contact_time_out_s;
   request.stimulus.damping_n_s_per_m = protocol.stimulus.damping_n_s_per_m;
   request.id = {trial.index, attempt.outline.attempt, interval};
-  if (timeline.interval_end == IntervalEnd::key) {
+  return request;
+}
+
+Presentation TrialConductor::present(const Attempt& attempt, int interval) {
+  PresentRequest request = request_of(attempt, interval);
+  if (parts_.protocol.timeline.interval_end == IntervalEnd::key) {
     request.enough = [this, id = request.id, began = parts_.clock.now_ns()] {
       return parts_.responder.enough(id, static_cast<double>(parts_.clock.now_ns() - began) * 1e-9);
     };
   }
   Presentation presentation = parts_.rig.present(request);
   parts_.view.health(health_of(presentation));  // first: it may tell of a stop
-  keep_ticks(trial, interval, presentation);
+  keep_ticks(attempt.trial, interval, presentation);
   return presentation;
 }
 

@@ -24,6 +24,10 @@ class TrialConductor {
   // attempt was voided. Throws SessionEnds, StorageError.
   std::optional<double> conduct(const Trial& trial, const TrialOutline& outline);
 
+  // Before READY: the rig gets ready for the first interval, so that what that takes shows in nothing. rested() then waits
+  // for it too, for as long as this rig may take.
+  void get_ready(const Trial& trial, const TrialOutline& outline);
+
   // Waits for what is left of the time between trials, also where something came first before. False: something does
   // again, which is to be seen to.
   bool rested();
@@ -49,6 +53,7 @@ class TrialConductor {
   // A cue to the participant, on the devices where the protocol says tap. False: the tap failed, and the attempt was
   // voided.
   bool cue(const Attempt& attempt, CuePlace place);
+  PresentRequest request_of(const Attempt& attempt, int interval) const;
   Presentation present(const Attempt& attempt, int interval);
   // Specimens of the interval into the participant's hands, of all intervals where they are felt together. False: the
   // attempt was voided.
@@ -59,8 +64,8 @@ class TrialConductor {
   bool voided_on_request(const Attempt& attempt);
   // By a signal or a stop, just now.
   bool voided_by_interruption(const Attempt& attempt);
-  // The time between two intervals. False: the attempt was voided.
-  bool gap_passes(const Attempt& attempt);
+  // The time between two intervals, in which the rig gets ready for the next. False: the attempt was voided.
+  bool gap_passes(const Attempt& attempt, int next);
   void voided_unanswered(const Attempt& attempt);
   void void_attempt(const Attempt& attempt, const std::string& reason, const std::string& words, bool counts);
   // Felt, but ended by us: it comes again, and the log knows that it was felt.

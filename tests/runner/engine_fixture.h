@@ -66,6 +66,7 @@ class IdealRig final : public Rig {
     }
     return presentation;
   }
+  std::int64_t prepare(const PresentRequest& request) override { return ready(request); }
   void neutral() noexcept override { ++neutral_calls; }
   std::string missing() override { return missing_sealed().empty() ? "" : missing_sealed() + said; }
   std::string missing_sealed() override {
@@ -77,6 +78,7 @@ class IdealRig final : public Rig {
   std::function<Fault(const PresentRequest&)> fault = [](const PresentRequest&) { return Fault::none; };
   std::function<double(const PresentRequest&)> saturated_share = [](const PresentRequest&) { return 0.0; };
   std::function<int(const PresentRequest&)> contacts = [](const PresentRequest&) { return 0; };
+  std::function<std::int64_t(const PresentRequest&)> ready = [](const PresentRequest&) { return std::int64_t{0}; };
   int neutral_calls = 0;
   std::string stopped_by;  // with an emergency stop
 

@@ -18,7 +18,8 @@ int main(int count, char** words) {
   const std::map<std::string, double*> times = {{"silent_s", &limits.silent_s},
                                                 {"presenting_silent_s", &limits.presenting_silent_s},
                                                 {"stop_s", &limits.stop_s},
-                                                {"bye_s", &limits.bye_s}};
+                                                {"bye_s", &limits.bye_s},
+                                                {"late_s", &limits.late_s}};
   for (const auto& [name, seconds] : times) *seconds = 600;
   int at = 2;
   for (; at < count && std::string(words[at]) != "run"; ++at) {

@@ -13,7 +13,7 @@ import struct
 import threading
 import time
 
-from plain_rig import serve
+from plain_rig import Device, serve
 
 MOST_FORCE_N = 8.0  # of the cap that this bridge keeps; the device has its own
 SILENCE_S = 0.1
@@ -64,7 +64,7 @@ class WebSocket:
         return data
 
 
-class HaplyDevice:
+class HaplyDevice(Device):
     def __init__(self, options):
         self.service = WebSocket(options.host, options.port)
         devices = json.loads(self.service.receive()).get("inverse3", [])  # its first message: everything connected

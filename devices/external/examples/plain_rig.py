@@ -7,6 +7,7 @@ import select
 import time
 
 HELLO = {"protocol": 1, "name": "Plain rig", "version": "1.0", "serial": "none", "model": True, "answers": False,
+         "ready_s": 0,  # the longest that prepare() takes for any change, such as of a motor, and a little more
          "quantities": [{"name": "stiffness", "unit": "N/m", "min": 100, "max": 1000}],
          "parameters": [{"name": "finger", "words": ["thumb", "index"]}],
          "measures": [{"name": "force", "unit": "N"}, {"name": "depth", "unit": "m"}]}
@@ -14,6 +15,13 @@ HELLO = {"protocol": 1, "name": "Plain rig", "version": "1.0", "serial": "none",
 
 class Device:
     """Your hardware. This one is a model, and HELLO says so: a finger that presses 4 mm deep, once a second."""
+
+    def prepare(self, request):
+        """Begins to get ready, and nobody feels it: here a motor moves to its place. jnd says it before anything is timed."""
+
+    def is_ready(self):
+        """Whether it is. What begins then must be felt at once, however far the value was from the one before."""
+        return True
 
     def begin(self, request):
         """A stimulus begins; what it is stands in request["value"] and request["parameters"]."""
@@ -79,7 +87,7 @@ class Presentation:
 
 def serve(hello, device):
     """Speaks with jnd until it says bye or is gone. An error of the device ends the program, and jnd says its last line."""
-    going, prepared, text, heard = None, None, b"", time.monotonic()
+    going, prepared, waiting, text, heard = None, None, False, b"", time.monotonic()
     while True:
         if select.select([0], [], [], 0.005)[0]:  # until jnd says something, at most 5 ms
             more = os.read(0, 65536)
@@ -100,17 +108,20 @@ def serve(hello, device):
             elif kind in ("prepare", "present") and (going or problem(hello, message)):
                 say("fault", id=message["id"], cause=problem(hello, message) or "busy")
             elif kind == "prepare":
-                prepared = Presentation(device, message)
-                say("ready", id=prepared.id)
+                device.prepare(message)
+                prepared, waiting = Presentation(device, message), True
             elif kind == "present":
                 device.begin(message)
-                going, prepared = Presentation(device, message), None
+                going, prepared, waiting = Presentation(device, message), None, False
             elif kind == "stop" and (going or prepared):
                 (going or prepared).done("complete" if going and message["reason"] == "enough" else "stopped")
-                going = prepared = None
+                going, prepared, waiting = None, None, False
             elif kind == "bye":
                 return device.off()
             # What else comes is of a later version of jnd: let it pass.
+        if waiting and device.is_ready():
+            say("ready", id=prepared.id)
+            waiting = False
         outcome = going.step() if going else None
         if outcome:
             going = going.done(outcome)

@@ -28,6 +28,7 @@ const json kHello = {{"type", "hello"},
                      {"serial", "none"},
                      {"model", true},
                      {"answers", false},
+                     {"ready_s", 0},  // the longest that prepare() takes, and a little more
                      {"quantities", {{{"name", "stiffness"}, {"unit", "N/m"}, {"min", 50}, {"max", 900}}}},
                      {"parameters", {{{"name", "damping"}, {"unit", "N s/m"}, {"min", 0}, {"max", 5}}}},
                      {"measures", {{{"name", "force"}, {"unit", "N"}}, {{"name", "depth"}, {"unit", "m"}}}}};
@@ -41,6 +42,9 @@ double seconds_since(Clock::time_point start) {
 // Your hardware. This one is a model, and kHello says so: a finger that goes 4 mm into a wall, once a second.
 class Device {
  public:
+  // Gets ready, and nobody feels it: here a motor moves to its place, in a thread of its own if it takes a while.
+  void prepare(const json& /*request*/) {}
+  bool is_ready() const { return true; }
   double depth_m(double elapsed_s) const { return std::max(0.0, -0.004 * std::cos(2 * M_PI * elapsed_s)); }
   void push(double force_n) { force_n_ = force_n; }
   double measured_force_n() const { return force_n_; }
@@ -133,6 +137,10 @@ class Rig {
   void run() {
     for (auto next = Clock::now(); !over_; std::this_thread::sleep_until(next += kPeriod)) {
       listen();
+      if (waits_ && device_.is_ready()) {
+        say({{"type", "ready"}, {"id", prepared_->id()}});
+        waits_ = false;
+      }
       if (!going_) continue;
       if (seconds_since(heard_) > kSilence_s) {
         device_.off();
@@ -178,10 +186,12 @@ class Rig {
       say({{"type", "fault"}, {"id", request.at("id")}, {"cause", why}});
     } else if (present) {
       prepared_.reset();
+      waits_ = false;
       going_.emplace(request);
     } else {
+      device_.prepare(request);
       prepared_.emplace(request);
-      say({{"type", "ready"}, {"id", prepared_->id()}});
+      waits_ = true;
     }
   }
 
@@ -193,12 +203,14 @@ class Rig {
       prepared_->done(device_, "stopped");
     going_.reset();
     prepared_.reset();
+    waits_ = false;
   }
 
   Device device_;
   std::optional<Presentation> going_, prepared_;
   Clock::time_point heard_ = Clock::now();
   std::string text_;
+  bool waits_ = false;  // to say that it is ready
   bool over_ = false;
 };
 

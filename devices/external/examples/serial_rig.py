@@ -15,12 +15,12 @@ import threading
 import time
 import tty
 
-from plain_rig import serve
+from plain_rig import Device, serve
 
 SILENCE_S = 0.1  # of the firmware, which is then at fault
 
 
-class SerialDevice:
+class SerialDevice(Device):
     def __init__(self, path, speed):
         self.file = os.open(path, os.O_RDWR | os.O_NOCTTY)
         tty.setraw(self.file)

@@ -13,7 +13,7 @@ import json
 import socket
 import sys
 
-from plain_rig import serve
+from plain_rig import Device, serve
 
 
 def certificate_from(path):
@@ -34,7 +34,7 @@ def certificate_from(path):
         sys.exit(f"no certificate of calibration in {path}: {error}")
 
 
-class WeartDevice:
+class WeartDevice(Device):
     def __init__(self, host, port, certificate):
         self.points = certificate["points"]
         self.place = f"{certificate['hand'].upper()}:{certificate['finger'].upper()}"

@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "devices/device_error.h"
+#include "devices/machine/peer_user.h"
 
 namespace jnd {
 
@@ -83,7 +84,7 @@ OwnedFile connect_local(const std::filesystem::path& path) {
   const sockaddr_un address = address_of(path);
   OwnedFile socket = new_socket();
   if (const int error = connect_to(socket, address); error != 0) throw DeviceError(why_no_connection(path, error));
-  if (!is_same_user(socket))
+  if (!is_same_user(socket.get()))
     throw DeviceError(
         fmt::format("{} is served by another user: start the program that serves it as the same user", path.string()));
   limit_queue(socket);
@@ -110,7 +111,7 @@ OwnedFile listen_local(const std::filesystem::path& path) {
 
 OwnedFile accept_local(const OwnedFile& listening) noexcept {
   OwnedFile socket(::accept4(listening.get(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
-  if (socket.get() < 0 || !is_same_user(socket)) return {};
+  if (socket.get() < 0 || !is_same_user(socket.get())) return {};
   limit_queue(socket);
   return socket;
 }
@@ -123,12 +124,6 @@ std::pair<OwnedFile, OwnedFile> local_pair() {
   limit_queue(made.first);
   limit_queue(made.second);
   return made;
-}
-
-bool is_same_user(const OwnedFile& socket) noexcept {
-  ucred peer{};
-  socklen_t size = sizeof peer;
-  return getsockopt(socket.get(), SOL_SOCKET, SO_PEERCRED, &peer, &size) == 0 && peer.uid == geteuid();
 }
 
 void limit_queue(const OwnedFile& socket) noexcept {

@@ -42,9 +42,6 @@ OwnedFile accept_local(const OwnedFile& listening) noexcept;
 // Both ends of a connection; they wait where they are not told otherwise. Throws DeviceError.
 std::pair<OwnedFile, OwnedFile> local_pair();
 
-// Whether the other end belongs to the user that this program runs as.
-bool is_same_user(const OwnedFile& socket) noexcept;
-
 // At most kReportsQueued reports wait in it. For the end that writes.
 void limit_queue(const OwnedFile& socket) noexcept;
 

@@ -13,6 +13,7 @@
 
 #include <fmt/format.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <sys/un.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -140,7 +141,8 @@ std::string endure(const std::string& fault, int seed) {
         settings_for({"env", token, "python3", kHostile.string(), fault, std::to_string(seed), folder.path().string()});
     settings.time_outs.prepare_s = 0.5;
     if (fault == "silent_from_the_start" || fault == "bad_hello") settings.time_outs.hello_s = 3;
-    ExternalRig rig(settings, kSteady);
+    EmergencyStop stop;
+    ExternalRig rig(settings, kSteady, stop);
     RenderRequest request = example_request();
     request.parameters.clear();
     request.time_out_s = 0.5;
@@ -171,7 +173,8 @@ std::string endure(const std::string& fault, int seed) {
 }  // namespace
 
 TEST_CASE("the shipped rig presents what it is asked for") {
-  ExternalRig rig(settings_for({"python3", (kExamples / "plain_rig.py").string()}), kSteady);
+  EmergencyStop stop;
+  ExternalRig rig(settings_for({"python3", (kExamples / "plain_rig.py").string()}), kSteady, stop);
   REQUIRE(rig.await_hello(kLong_s));
   CHECK(rig.hello()->name == "Plain rig");
   int heard = 0;
@@ -192,7 +195,8 @@ TEST_CASE("the shipped rig presents what it is asked for") {
 }
 
 TEST_CASE("the stop latch stops an external rig, and nothing is presented until it is cleared") {
-  ExternalRig rig(settings_for({"python3", (kExamples / "plain_rig.py").string()}), kSteady);
+  EmergencyStop stop;
+  ExternalRig rig(settings_for({"python3", (kExamples / "plain_rig.py").string()}), kSteady, stop);
   REQUIRE(rig.await_hello(kLong_s));
   RenderRequest request = example_request();
   request.exploration.ends = RigExplorationEnd::stop;
@@ -200,11 +204,11 @@ TEST_CASE("the stop latch stops an external rig, and nothing is presented until 
       rig, request,
       [&](const Rendered& it) {
         const bool good = it.voided && it.voided->failure == RigFailure::stopped && !it.contacts.empty();
-        if (!good) rig.stop.clear();
+        if (!good) stop.clear();
         return good;
       },
       [&](const RigEvent& event) {
-        if (std::holds_alternative<RigContact>(event.what)) rig.stop.latch(StopSource::key);
+        if (std::holds_alternative<RigContact>(event.what)) stop.latch(StopSource::key);
       });
   REQUIRE(stopped.voided);
   CHECK(stopped.voided->failure == RigFailure::stopped);
@@ -212,12 +216,13 @@ TEST_CASE("the stop latch stops an external rig, and nothing is presented until 
   const Rendered latched = rig.render(request);
   REQUIRE(latched.voided);
   CHECK_FALSE(latched.done);
-  rig.stop.clear();
+  stop.clear();
   CHECK(eventually(rig, example_request(), is_done).done);
 }
 
 TEST_CASE("a rig that cannot be started is told, and how often it was tried") {
-  ExternalRig rig(settings_for({"/no/such/rig"}), kSteady);
+  EmergencyStop stop;
+  ExternalRig rig(settings_for({"/no/such/rig"}), kSteady, stop);
   CHECK_FALSE(rig.await_hello(kLong_s));
   CHECK(rig.missing().find("/no/such/rig cannot be started: No such file or directory") == 0);
   while (rig.report().starts < 3 || rig.missing().find("it could not be started") == std::string::npos)
@@ -245,7 +250,8 @@ TEST_CASE("a rig behind a Unix socket is connected to, and again after it went a
   REQUIRE(listen(listening, 4) == 0);
   ExternalSettings settings = settings_for({});
   settings.socket = path;
-  ExternalRig rig(settings, kSteady);
+  EmergencyStop stop;
+  ExternalRig rig(settings, kSteady, stop);
   // The example, with the connection for its standard streams.
   const auto serve = [&] {
     const int connection = accept(listening, nullptr, nullptr);
@@ -269,6 +275,60 @@ TEST_CASE("a rig behind a Unix socket is connected to, and again after it went a
   kill(second, SIGKILL);
   waitpid(second, nullptr, 0);
   close(listening);
+}
+
+TEST_CASE("a rig behind another user's socket is nobody's rig") {
+  const TemporaryFolder folder;
+  REQUIRE(chmod(folder.path().c_str(), 0777) == 0);
+  if (geteuid() != 0 || seteuid(65534) != 0) {
+    WARN("only root can try this");
+    return;
+  }
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  const std::string path = (folder / "rig.sock").string();
+  std::copy(path.begin(), path.end(), address.sun_path);
+  const int listening = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  const bool listens =
+      bind(listening, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0 && listen(listening, 4) == 0;
+  REQUIRE(seteuid(0) == 0);
+  REQUIRE(listens);
+  ExternalSettings settings = settings_for({});
+  settings.socket = path;
+  EmergencyStop stop;
+  ExternalRig rig(settings, kSteady, stop);
+  CHECK_FALSE(rig.await_hello(kLong_s));
+  CHECK(rig.missing().find("is served by another user") != std::string::npos);
+  close(listening);
+}
+
+TEST_CASE("what is prepared is presented when its turn comes, or is void") {
+  EmergencyStop stop;
+  ExternalRig rig(settings_for({"python3", (kExamples / "plain_rig.py").string()}), kSteady, stop);
+  REQUIRE(rig.await_hello(kLong_s));
+  std::string why;
+  const auto ready = [&] {
+    const std::uint64_t id = rig.prepare(example_request(), why);
+    REQUIRE(id != 0);
+    return id;
+  };
+  Rendered rendered;
+  const std::int64_t until_ns = kSteady.now_ns() + static_cast<std::int64_t>(1e9 * kLong_s);
+  do {  // on a busy machine it may be silent for 100 ms
+    (void)rig.await_hello(kLong_s);
+    (void)rig.wait(0);
+    const std::uint64_t id = ready();
+    bool is_ready = false;
+    while (!is_ready && rig.prepares(id))
+      for (const RigEvent& event : rig.wait(kSteady.now_ns() + 20'000'000))
+        is_ready = is_ready || std::holds_alternative<RigReady>(event.what);
+    rendered = rig.render_prepared(id);
+  } while (!rendered.done && kSteady.now_ns() < until_ns);
+  CHECK(rendered.done);
+  const std::uint64_t id = ready();
+  rig.let_go();
+  CHECK_FALSE(rig.prepares(id));
+  CHECK(rig.render_prepared(id).voided);
 }
 
 TEST_CASE("no fault of an external rig counts as a presentation, and none leaves a process") {

@@ -105,6 +105,7 @@ TEST_CASE("the schema and the reader agree about what a rig may say") {
   SideSchema rig("from_rig");
   const std::vector<std::string> good = {
       R"({"type":"hello","protocol":1,"name":"Rig","version":"2","serial":"7","model":false,"answers":true,"quantities":[{"name":"a","unit":"N","min":1,"max":1}],"parameters":[{"name":"b","words":["x"]}],"measures":[]})",
+      R"({"type":"hello","protocol":1,"name":"Rig","version":"2","serial":"7","model":false,"answers":true,"ready_s":0.4,"holds":false,"token":"x","quantities":[{"name":"a","unit":"N","min":1,"max":1}],"parameters":[],"measures":[]})",
       R"({"type":"ready","id":3})",
       R"({"type":"contact","id":3,"time_s":0.25})",
       R"({"type":"done","id":3,"outcome":"stopped","duration_s":3.2,"contacts":0})",
@@ -129,6 +130,8 @@ TEST_CASE("the schema and the reader agree about what a rig may say") {
       R"({"type":"contact","id":1,"time_s":-1})",
       R"({"type":"contact","id":1,"time_s":1e300})",
       R"({"type":"fault","cause":""})",
+      R"({"type":"hello","protocol":1,"name":"Rig","version":"2","serial":"7","model":false,"answers":true,"ready_s":-1,"quantities":[{"name":"a","unit":"N","min":1,"max":1}],"parameters":[],"measures":[]})",
+      R"({"type":"hello","protocol":1,"name":"Rig","version":"2","serial":"7","model":false,"answers":true,"holds":"yes","quantities":[{"name":"a","unit":"N","min":1,"max":1}],"parameters":[],"measures":[]})",
       R"({"type":"done","id":1,"outcome":"fine","duration_s":1,"contacts":0})",
       R"({"type":"done","id":1,"outcome":"complete","duration_s":1,"contacts":-1})",
       R"({"type":"telemetry","time_s":1,"values":{"a b":1}})",

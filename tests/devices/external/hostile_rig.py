@@ -53,7 +53,8 @@ class Rig:
     def done(self, outcome):
         with open(FOLDER / "done", "a", encoding="ascii") as file:
             file.write(f"{self.going}\n")
-        self.say("done", id=self.going, outcome=outcome, duration_s=time.monotonic() - self.began, contacts=0)
+        self.say("done", id=self.going, outcome=outcome, duration_s=time.monotonic() - self.began, contacts=1,
+                 first_contact_s=0)
         self.last_id, self.going = self.going, None
 
     def misbehave(self):
@@ -146,6 +147,7 @@ class Rig:
                 self.fault = None
         elif kind == "present":
             self.going, self.began, self.prepared = message["id"], time.monotonic(), None
+            self.say("contact", id=self.going, time_s=0)
         elif kind == "stop":
             self.deaf = False
             if self.fault == "late_alive":

@@ -64,11 +64,13 @@ struct Talk {
     REQUIRE(why == "");
     say(fmt::format(R"({{"type":"ready","id":{}}})", id));
     REQUIRE(exchange.present(id, now_ns));
+    touch(id);
     return id;
   }
+  void touch(std::uint64_t id) { say(fmt::format(R"({{"type":"contact","id":{},"time_s":0}})", id)); }
   void done(std::uint64_t id, const std::string& outcome = "complete", double duration_s = 1) {
-    say(fmt::format(R"({{"type":"done","id":{},"outcome":"{}","duration_s":{},"contacts":0}})", id, outcome,
-                    duration_s));
+    say(fmt::format(R"({{"type":"done","id":{},"outcome":"{}","duration_s":{},"contacts":1,"first_contact_s":0}})", id,
+                    outcome, duration_s));
   }
   // The newest void, refusal or done among the events so far.
   template <typename What>
@@ -133,6 +135,78 @@ TEST_CASE("done before its time is refused") {
   REQUIRE(talk.all<RigVoid>().size() == 1);
   CHECK(talk.all<RigVoid>().front().failure == RigFailure::refused_done);
   CHECK(talk.exchange.idle());
+}
+
+TEST_CASE("what was asked for has happened, or it is not complete") {
+  Talk talk;
+  talk.greet();
+  const auto presented = [&](const RigExploration& how, const std::string& done, bool touched, bool enough = false) {
+    RenderRequest request = Talk::request();
+    request.exploration = how;
+    std::string why;
+    const std::uint64_t id = talk.exchange.prepare(request, talk.now_ns, why);
+    talk.say(fmt::format(R"({{"type":"ready","id":{}}})", id));
+    REQUIRE(talk.exchange.present(id, talk.now_ns));
+    talk.pass(200);
+    if (touched) talk.touch(id);
+    talk.pass(1200);
+    if (enough) talk.exchange.stop(RigStop::enough, talk.now_ns);
+    const std::int64_t before = talk.exchange.traffic().presented;
+    talk.say(fmt::format(R"({{"type":"done","id":{},"outcome":"complete",{}}})", id, done));
+    CHECK(talk.exchange.idle());
+    return talk.exchange.traffic().presented > before;
+  };
+  const std::string whole = R"("duration_s":1.2,"contacts":1,"first_contact_s":0.2)";
+  const RigExploration second{.duration_s = 1}, from_start{.duration_s = 1, .from_contact = false};
+  CHECK(presented(second, whole, true));
+  CHECK_FALSE(presented(second, whole, false));  // contacts that were never told
+  CHECK_FALSE(presented(second, R"("duration_s":0,"contacts":0)", false));
+  CHECK_FALSE(presented(second, R"("duration_s":1.2,"contacts":0)", true));
+  CHECK_FALSE(presented(second, R"("duration_s":0,"contacts":1,"first_contact_s":0)", true));
+  CHECK_FALSE(presented(second, R"("duration_s":1.2,"contacts":1,"first_contact_s":0.7)", true));
+  CHECK(presented(from_start, R"("duration_s":1,"contacts":0)", false));
+  CHECK_FALSE(presented(from_start, R"("duration_s":0.5,"contacts":0)", false));
+  const RigExploration presses{.ends = RigExplorationEnd::contacts, .contacts = 2},
+      key{.ends = RigExplorationEnd::stop};
+  CHECK_FALSE(presented(presses, whole, true));
+  CHECK(presented(presses, R"("duration_s":1.2,"contacts":2,"first_contact_s":0.2)", true));
+  CHECK_FALSE(presented(key, whole, true));
+  CHECK(presented(key, whole, true, true));
+  CHECK_FALSE(presented(key, R"("duration_s":1.2,"contacts":0)", false, true));
+}
+
+TEST_CASE("a rig that is not ready when its turn comes voids the presentation, and goes on") {
+  Talk talk;
+  talk.greet();
+  std::string why;
+  const std::uint64_t id = talk.exchange.prepare(Talk::request(), talk.now_ns, why);
+  CHECK(talk.exchange.prepares(id));
+  talk.pass(200);
+  talk.exchange.give_up(id, talk.now_ns);
+  CHECK_FALSE(talk.exchange.prepares(id));
+  REQUIRE(talk.all<RigVoid>().size() == 1);
+  CHECK(talk.all<RigVoid>().front().failure == RigFailure::not_ready);
+  CHECK(talk.all<RigVoid>().front().words ==
+        "not ready when its turn came: by its hello it needs at most 0.1 s (\"ready_s\")");
+  CHECK(talk.was_said("stop"));
+  talk.done(id, "stopped", 0);
+  CHECK(talk.exchange.idle());
+  const std::uint64_t next = talk.begin_presentation();
+  talk.exchange.give_up(next, talk.now_ns);  // it presents: nothing is late
+  talk.pass(1000);
+  talk.done(next);
+  CHECK(talk.exchange.traffic().presented == 1);
+}
+
+TEST_CASE("a rig that is ready stays ready") {
+  Talk talk;
+  talk.greet();
+  std::string why;
+  const std::uint64_t id = talk.exchange.prepare(Talk::request(), talk.now_ns, why);
+  talk.say(fmt::format(R"({{"type":"ready","id":{}}})", id));
+  talk.pass(300'000);
+  CHECK(talk.exchange.is_ready(id));
+  REQUIRE(talk.exchange.present(id, talk.now_ns));
 }
 
 TEST_CASE("a rig that presents and is silent for 100 ms is stopped, and the presentation is void") {
@@ -227,6 +301,7 @@ TEST_CASE("a rig that is silent is told to present once it answers, and its 100 
     CHECK(talk.all<RigLineRefused>().size() == 1);
     talk.answer_alive();
     CHECK(talk.was_said("present"));
+    talk.touch(id);
     talk.pass(1000);
     talk.done(id);
     CHECK(talk.exchange.traffic().presented == 1);
@@ -426,6 +501,44 @@ TEST_CASE("another rig behind the same command is not taken for the first") {
   CHECK(talk.exchange.lost()->failure == RigFailure::no_hello);
 }
 
+TEST_CASE("a rig that says other units after a new start is another rig") {
+  Talk talk;
+  talk.greet();
+  talk.exchange.end(RigFailure::ended, "test", talk.now_ns);
+  talk.exchange.begin(talk.now_ns);
+  std::string other = kGreeting;
+  other.replace(other.find(R"("unit":"N"})"), 10, R"("unit":"mN")");
+  talk.say(other);
+  REQUIRE(talk.exchange.lost());
+  CHECK(talk.exchange.lost()->failure == RigFailure::no_hello);
+}
+
+TEST_CASE("whoever has not the token is not the rig, and nobody hears the token") {
+  const std::string token = "0123456789abcdef";
+  const auto greeting = [](const std::string& with) {
+    return kGreeting.substr(0, kGreeting.size() - 1) + R"(,"token":")" + with + R"("})";
+  };
+  for (const std::string& said : {kGreeting, greeting("0123456789abcdeX"), greeting(token + "0"), greeting("0")}) {
+    RigExchange exchange("0.1.0", {}, token);
+    exchange.begin(1);
+    exchange.hear(said, 2);
+    REQUIRE(exchange.lost());
+    CHECK(exchange.lost()->failure == RigFailure::no_hello);
+    CHECK_FALSE(exchange.hello());
+  }
+  RigExchange exchange("0.1.0", {}, token);
+  exchange.begin(1);
+  CHECK(exchange.take_output().find(token) == std::string::npos);
+  exchange.hear(greeting(token), 2);
+  CHECK(exchange.idle());
+  CHECK(exchange.hello()->token.empty());
+  exchange.hear(greeting(token), 3);  // once more, which is refused
+  exchange.hear("{\"type\":\"hello\",\"token\":\"" + token + "\"}", 4);
+  REQUIRE(exchange.refused_lines().size() == 2);
+  for (const RigLineRefused& refused : exchange.refused_lines())
+    CHECK((refused.line + refused.why).find(token) == std::string::npos);
+}
+
 TEST_CASE("telemetry has the channels of hello") {
   Talk talk;
   talk.greet();
@@ -486,6 +599,21 @@ TEST_CASE("a protocol is held against the ranges of hello") {
             "gain 3 is out of the rig's range, gain 0 to 2", "gain is a word here and a number for the rig",
             "the rig has no parameter hand: it has gain",
             "the rig is a model in software by its own word: what is felt with it is no real data"});
+  // How long it may take to get ready belongs to the gap.
+  RigHello slow = hello;
+  slow.ready_s = 0.4;
+  demand = {.quantity = "stiffness", .unit = "N/m", .values = {100}, .conditions = {{{"gain", 0.5}}}, .gap_s = 0.3};
+  CHECK(rig_problems(demand, slow) ==
+        std::vector<std::string>{
+            "the rig needs up to 0.4 s to get ready for a value, and gap_s is 0.3 s: make it at least 0.4"});
+  CHECK(rig_cautions(demand, slow).empty());
+  demand.gap_s = 0.4;
+  CHECK(rig_problems(demand, slow).empty());
+  slow.holds = false;
+  demand.gap_s = 0.1;
+  CHECK(rig_problems(demand, slow).empty());
+  REQUIRE(rig_cautions(demand, slow).size() == 1);
+  CHECK(rig_cautions(demand, slow).front().find("same from different") != std::string::npos);
   // A limit on a peak is met by a channel, whose peak it is, or by one of that name; contacts every rig counts.
   RigHello measuring = hello;
   measuring.measures = {{"force", "N"}};

@@ -165,8 +165,53 @@ def check_other_commands(folder):
         done = program.run("check", protocol, "--rig", path, code=None)
         check(done.returncode == (0 if fits else 3), f"check, {levels}: {done.stdout}{done.stderr}")
         check(("4500 N/m is out of the rig's range" in done.stdout) != fits, f"check, {levels}: {done.stdout}")
+    asked["levels"] = {"absolute": [350, 450]}
+    protocol.write_text(json.dumps({**asked, "trial": {**asked["trial"], "gap_s": 0.2}}))
+    for hello, code, words in (('"ready_s": 0.2', 0, "ok"), ('"ready_s": 0.3', 3, "up to 0.3 s to get ready for a value, and gap_s is 0.2 s"),
+                               ('"ready_s": 0.3, "holds": False', 0, "same from different")):
+        rig = pathlib.Path(folder) / "slow_rig.py"
+        rig.write_text((EXAMPLES / "plain_rig.py").read_text(encoding="utf-8").replace('"ready_s": 0', hello), encoding="utf-8")
+        done = program.run("check", protocol, "--rig", rig_file(folder, ["python3", str(rig)]), code=None)
+        check(done.returncode == code and words in done.stdout, f"{hello}: {done.returncode} {done.stdout}")
+    path = rig_file(folder, ["python3", str(EXAMPLES / "plain_rig.py")])
     done = program.run("run", "tutorial", "--study", str(pathlib.Path(folder) / "s.sqlite"), "--participant", "P01", "--rig", path, code=None)
     check(done.returncode == 3 and "an external rig is for protocols" in done.stderr, f"{done.returncode} {done.stderr}")
+
+
+LISTENS = """
+import os, socket, sys
+sys.path.insert(0, sys.argv[1])
+import plain_rig
+listening = socket.create_server(("127.0.0.1", 0))
+print(listening.getsockname()[1], flush=True)
+while True:
+    connection = listening.accept()[0]
+    if os.fork() == 0:
+        os.dup2(connection.fileno(), 0)
+        os.dup2(connection.fileno(), 1)
+        plain_rig.serve({**plain_rig.HELLO, "token": sys.argv[2]}, plain_rig.Device())
+        os._exit(0)
+    connection.close()
+"""
+
+
+def check_token(folder):
+    """Whoever listens on a port is the rig if its hello has the token of a file that nobody else can read; nothing shows it."""
+    token, folder = "0123456789abcdef0123", pathlib.Path(folder)
+    rig = program.start("-c", LISTENS, EXAMPLES, token, program=sys.executable)
+    port = int(rig.stdout.readline())
+    path, secret = folder / "rig.json", folder / "token"
+    path.write_text(json.dumps({"format": 1, "title": "T", "external": {"port": port, "token": "token"}}), encoding="utf-8")
+    for text, mode, code, words in ((token + "\n", 0o600, 0, "stiffness 100 to 1000 N/m"), (token[::-1], 0o600, 1, "has not the token"),
+                                    (token, 0o640, 3, "chmod 600"), ("short", 0o600, 3, "holds no token")):
+        secret.write_text(text)
+        secret.chmod(mode)
+        done = program.run("doctor", "--seconds", "0.1", "--rig", path, code=None)
+        said = " ".join((done.stdout + done.stderr).split())
+        check(words in said and (code != 3) == (done.returncode != 3), f"token {text!r}, {mode:o}: {done.returncode} {said}")
+        check(token not in said and token[::-1] not in said, f"the token is shown: {said}")
+    rig.kill()
+    rig.wait()
 
 
 def check_mistake(folder, before, after, expected, **limits):
@@ -226,12 +271,16 @@ MISTAKES = [  # what is changed into what, a check that must fail, and the limit
      "stop ends a presentation"),
     ('(going or prepared).done("complete" if going and message["reason"] == "enough" else "stopped")',
      '(going or prepared).done("stopped")', 'stop with "enough" completes it'),
-    ('            say("contact", id=self.id, time_s=now)\n', '', "tells its contacts"),
+    ('            say("contact", id=self.id, time_s=now)\n', '', "presents 100 N/m the lowest"),
     ('duration_s=time.monotonic() - self.began', 'duration_s=time.monotonic() - self.began + 500',
      "presents 100 N/m the lowest"),
     ('"serial": "none"', '"serial": str(time.time())', "is the same rig"),
     ('"max": 1000', '"max": 10', "hello", {"hello_s": 1}),
-    ('duration_s=time.monotonic() - self.began', 'duration_s=(self.first or 0) + 0.1', "explored from the first contact"),
+    ('duration_s=time.monotonic() - self.began', 'duration_s=(self.first or 0) + 0.1', "presents 100 N/m the lowest"),
+    ('return "complete" if over[self.how["ends"]] else None', 'return "complete"', "presents 100 N/m the lowest"),
+    ('return peaks["force"] / peaks["depth"]', 'return 750', "delivered"),
+    ('"name": "force", "unit": "N"', '"name": "force", "unit": str(os.getpid())', "is the same rig"),
+    ('if waiting and device.is_ready():', 'if waiting and time.monotonic() - prepared.began > 0.3:', "ready", {"late_s": 0}),
     ('now - start >= self.how.get("duration_s", 0)', 'now - start >= 1', "explored from the first contact"),
     ('# What else comes is of a later version of jnd: let it pass.', 'elif kind.startswith("x"): raise SystemExit(1)',
      "lets an unknown message pass"),
@@ -249,7 +298,7 @@ def main():
                 own.mkdir()
                 begun.append(pool.submit(what, *arguments, folder=str(own), **more))
 
-            for what in (check_bridges, check_plain, check_weart, check_other_commands, check_slow, check_screen):
+            for what in (check_bridges, check_plain, check_weart, check_other_commands, check_slow, check_screen, check_token):
                 begin(what)
             begin(passes, [RIG_LOOP])
             for before, after in HOSTILE_TEXTS:
@@ -268,7 +317,8 @@ def main():
         done = run("--rig", str(path))
         check(done.returncode == 3 and 'it has no "external"' in done.stderr, f"{done.returncode} {done.stderr}")
         for external, words in [({}, "says nowhere where the rig is"), ({"command": ["a"], "port": 1}, "more than one place"),
-                                ({"port": 70000}, "$.external.port"), ({"command": [""]}, "empty word")]:
+                                ({"port": 70000}, "$.external.port"), ({"port": 7000}, "any user of this machine"),
+                                ({"port": 7000, "token": "none"}, "none"), ({"command": [""]}, "empty word")]:
             path.write_text(json.dumps({"format": 1, "title": "T", "external": external}), encoding="utf-8")
             done = run("--rig", str(path))
             check(done.returncode == 3 and words in done.stderr, f"{external}: {done.returncode} {done.stderr}")

@@ -2,12 +2,14 @@
 // nothing that a terminal would obey.
 #include "runner/screen/screen_layout.h"
 
+#include <algorithm>
 #include <set>
 #include <string>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "runner/screen/large_letters.h"
 #include "runner/screen/screen_text.h"
 #include "tests/catch.h"
 
@@ -309,6 +311,31 @@ TEST_CASE("A stop fills the width of every window, with its age, whatever else t
       for (const Row& row : frame.rows)
         if (row.size() == 1 && row[0].style.shade == Shade::stop && columns_of(row[0].text) == columns) ++red;
       CHECK(red >= 2);
+    }
+}
+
+TEST_CASE("The first screen says in large letters whether the session counts") {
+  for (const SessionKind kind : {SessionKind::real, SessionKind::pilot})
+    for (const auto& [rows, columns] : {std::pair(24, 80), std::pair(40, 120), std::pair(50, 200)}) {
+      ScreenModel model = model_of(kind);
+      model.say.clear();
+      model.scene = {};
+      model.scene.heading = "Instructions: read it out";
+      model.scene.text = "Two surfaces come one after the other. Say whether they are the same or different.";
+      model.scene.to_read = true;
+      model.phase = {.word = "READ OUT", .holds = true};
+      const Shade shade = kind == SessionKind::real ? Shade::real : Shade::rehearsal;
+      const auto filled_rows = [&](bool first) {
+        model.first = first;
+        const Frame frame = lay_out(model, rows, columns, true);
+        INFO(text_of(frame));
+        CHECK(text_of(frame).find("Two surfaces come") != std::string::npos);
+        return std::count_if(frame.rows.begin() + 1, frame.rows.end(), [&](const Row& row) {
+          return row.size() == 1 && row[0].style.shade == shade && columns_of(row[0].text) == columns;
+        });
+      };
+      CHECK(filled_rows(true) >= large_rows(LetterSize::half));
+      CHECK(filled_rows(false) == 0);
     }
 }
 

@@ -7,6 +7,7 @@ Usage: sessions_test.py JND PATIENT_RIG
 import json
 import os
 import resource
+import statistics
 import subprocess
 import sys
 
@@ -44,6 +45,7 @@ class Sessions(program.Case):
                         ("backup", "s.sqlite", "--to", "copy.sqlite"), ("recover", "copy.sqlite", "--to", "again.sqlite")):
             self.jnd(*command, *(("--kind", kind) if command[0] in ("analyze", "export", "report") else ()), preexec_fn=few_files)
         self.assertEqual(len(self.rows("csv", "trials.csv")), status["trials_done"])
+        return said
 
     def test_3rrs_devices(self):
         self.protocol("same-different", "rrs3", 8)
@@ -63,7 +65,19 @@ class Sessions(program.Case):
 
     def test_specimens(self):
         self.protocol("which", "specimens", explore_s=0.5, gap_s=0, between_trials_s=0)
-        self.session("--rig", "specimens", "--kind", "pilot", "--fast", *ANYWAY, input=" " + (" " * 3 + "1") * 36)
+        self.session("--kind", "pilot", "--fast", *ANYWAY, input=" " + (" " * 3 + "1") * 36)
+
+    def test_on_specimens_a_person_at_the_keys_is_real(self):
+        self.protocol("which", "specimens", 2, explore_s=0.5, gap_s=0, between_trials_s=0)
+        run = ("run", "study.json", "--study", "s.sqlite", "--participant", "P01", "--plain", "--seed", 4, *ANYWAY)
+        self.says(self.jnd(*run, "--fast", code=program.USAGE).said, "--kind pilot for a rehearsal")
+        keys = " " + (" " * 3 + "1") * 12
+        said = self.jnd(*run, input=keys).said
+        self.says(said, "REAL SESSION: this counts as data", "The session of P01 is complete")
+        self.jnd(*run[:5], "P02", *run[6:], "--responder", "kinaesthetic", "--fast")
+        self.jnd(*run[:5], "P03", *run[6:], "--kind", "pilot", "--fast", input=keys)
+        self.assertEqual({one["participant"]: one["kind"] for one in self.jnd("status", "s.sqlite", "--json").json["sessions"]},
+                         {"P01": "real", "P02": "simulated", "P03": "pilot"})
 
     def test_no_file_stays_open_after_a_trial(self):
         self.protocol("which", "specimens", explore_s=0.5, gap_s=0, between_trials_s=0)
@@ -85,15 +99,55 @@ class Sessions(program.Case):
 
     def test_a_rig_of_the_laboratorys_own(self):
         self.protocol("which", "external", 2, explore_s=0.5, gap_s=0, between_trials_s=0)
+        self.rig()
+        self.session(*ANYWAY, program=PATIENT_RIG, before=("rig.json",), input=" " + " 1" * 12)
+
+    def rig(self, *changes):
+        """The plain rig, changed, and a protocol that gives its parameter."""
         content = json.loads(self.read("study.json"))
         content["conditions"][0]["parameters"] = {"finger": "thumb"}
         self.write("study.json", content)
         example = (program.ROOT / "devices/external/examples/plain_rig.py").read_text(encoding="utf-8")
-        self.assertIn("heard > 0.1", example)  # its own watchdog, which a busy machine sets off
-        rig = self.write("rig.py", example.replace("heard > 0.1", f"heard > {program.GUARD_S}"))
+        # Its own watchdog is what a busy machine sets off.
+        for before, after in [("heard > 0.1", f"heard > {program.GUARD_S}"), *changes]:
+            self.assertIn(before, example)
+            example = example.replace(before, after)
+        rig = self.write("rig.py", example)
         self.write("rig.json", {"format": 1, "title": "rig", "external": {"command": [sys.executable, str(rig)],
                                                                           "hello_s": program.GUARD_S, "prepare_s": program.GUARD_S}})
-        self.session(*ANYWAY, program=PATIENT_RIG, before=("rig.json",), input=" " + " 1" * 12)
+
+    # A motor that takes a second for a change of 1000 N/m.
+    MOTOR = [("""    def prepare(self, request):
+""", """    def prepare(self, request):
+        before, self.stiffness = getattr(self, "stiffness", 900), request["value"]
+        self.there = time.monotonic() + abs(self.stiffness - before) / 1000
+"""), ("        return True\n", "        return time.monotonic() >= self.there\n"), ('"ready_s": 0', '"ready_s": 0.6')]
+
+    def test_a_rig_that_needs_time_gets_ready_where_nothing_is_timed(self):
+        """From `prepare` to `present` the longest passes that the rig may need, whatever comes: what it needed does not show."""
+        self.protocol("same-different", "external", 4, explore_s=0.5, gap_s=0.6, between_trials_s=0)
+        self.rig(*self.MOTOR, ("            kind = message[\"type\"]\n", """            kind = message["type"]
+            if kind in ("prepare", "present"):
+                with open("told.txt", "a") as file:
+                    print(kind, message["trial"], message["interval"], message["value"], time.monotonic(), file=file)
+"""))
+        self.session(*ANYWAY, program=PATIENT_RIG, before=("rig.json",), input=" " + " s" * 100)
+        told = [line.split() for line in self.read("told.txt").splitlines()]
+        self.assertEqual([line[0] for line in told], ["prepare", "present"] * (len(told) // 2))
+        waits = [float(after[4]) - float(before[4]) for before, after in zip(told[::2], told[1::2])]
+        self.assertEqual([line[1:4] for line in told[::2]], [line[1:4] for line in told[1::2]])
+        changes = {one[3] == other[3] for one, other in zip(told[1::2], told[3::2]) if other[2] == "1"}
+        self.assertEqual(changes, {True, False}, "there are trials of both classes")
+        self.assertGreater(statistics.median(waits), 0.59, waits)
+
+    def test_what_a_rig_delivers_is_held_against_what_was_asked(self):
+        self.protocol("which", "external", 4, explore_s=0.5, gap_s=0, between_trials_s=0)
+        self.rig(('return peaks["force"] / peaks["depth"]', "return 3000"))
+        said = self.session(*ANYWAY, program=PATIENT_RIG, before=("rig.json",), input=" " + " 1" * 24)
+        words = "did not deliver what was asked"
+        self.assertGreaterEqual(" ".join(said.split()).count(words), 3, said)  # after 10 trials, after 20, and at the end
+        said = self.jnd("analyze", "s.sqlite", "--kind", "pilot").said
+        self.says(" ".join(said.split()), "By its own measure the rig " + words + " in 48 of 48 intervals")
 
 
 if __name__ == "__main__":

@@ -49,8 +49,8 @@ TEST_CASE("a socket that is served can be connected to, by its user alone", "[lo
   const OwnedFile host = connect_local(folder / "a.sock");
   const OwnedFile device = accept_local(listening);
   REQUIRE(device.get() >= 0);
-  CHECK(is_same_user(host));
-  CHECK(is_same_user(device));
+  CHECK(is_same_user(host.get()));
+  CHECK(is_same_user(device.get()));
   CHECK(send(host.get(), "abc", 3, MSG_NOSIGNAL) == 3);
   char bytes[8] = {};
   CHECK(recv(device.get(), bytes, sizeof bytes, 0) == 3);
