@@ -18,7 +18,6 @@ namespace jnd {
 namespace {
 
 constexpr std::size_t kMaxBytes = 1U << 20U;
-constexpr std::size_t kMaxDepth = 64;
 // Every value knows its path, so that memory grows with depth x length of keys x values: each has a bound.
 constexpr std::size_t kMaxKeyBytes = 256;
 constexpr std::size_t kMaxValues = 20000;
@@ -112,8 +111,8 @@ class TreeBuilder {
 
   bool open(JsonNode::Kind kind) {
     JsonNode& node = add(kind);
-    if (open_.size() == kMaxDepth) {
-      fail(last_begin_, fmt::format("nested deeper than {} levels", kMaxDepth), "this is not a file of ours");
+    if (open_.size() == kMostJsonDepth) {
+      fail(last_begin_, fmt::format("nested deeper than {} levels", kMostJsonDepth), "this is not a file of ours");
     }
     open_.push_back(&node);
     brackets_.emplace_back(&node, last_begin_);

@@ -8,9 +8,9 @@
 
 namespace jnd {
 
-// Throws nlohmann::json::parse_error where the text is no JSON.
+// Throws nlohmann::json::parse_error where the text is no JSON, or nested deeper than kMostJsonDepth (json_document.h).
 nlohmann::ordered_json json_from(std::string_view text);
-// is_discarded() where the text is no JSON.
+// is_discarded() in these cases.
 nlohmann::ordered_json json_if_valid(std::string_view text);
 // On one line; with blanks to indent by, on several. Text that is not UTF-8 keeps its readable part.
 std::string json_text(const nlohmann::ordered_json& value, int indent = -1);

@@ -5,6 +5,7 @@
 #include "protocols/input/json_document.h"
 #include "protocols/input/json_reader.h"
 #include "protocols/input/json_syntax.h"
+#include "protocols/input/json_text.h"
 #include "protocols/input/sha256.h"
 #include "protocols/input/utf8.h"
 #include "tests/catch.h"
@@ -45,6 +46,14 @@ TEST_CASE("a number with more behind it is named whole, also where the text ends
                       Catch::Contains("f:1:7: \"00e\" is not a number that JSON knows"));
     CHECK_THROWS_WITH(parse_json("{\"a\": 1.e" + end, "f"), Catch::Contains("\"1.e\" is not a number that JSON knows"));
   }
+}
+
+TEST_CASE("a text of ours is read to a depth that the stack has room for") {
+  const auto nested = [](std::size_t depth) { return std::string(depth, '[') + std::string(depth, ']'); };
+  CHECK(json_from(nested(kMostJsonDepth)).is_array());
+  CHECK(json_from(R"({"[[\"": ")" + nested(500'000) + R"(\\"})").is_object());  // brackets in a string
+  CHECK_THROWS_AS(json_from(nested(kMostJsonDepth + 1)), nlohmann::json::parse_error);
+  CHECK(json_if_valid(nested(500'000)).is_discarded());
 }
 
 TEST_CASE("the commonest slips are named, with what to write") {
