@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstddef>
 #include <system_error>
-#include <utility>
 
 #include "analysis/numerics/words.h"
 #include "protocols/input/blank_text.h"
@@ -60,21 +59,6 @@ bool would_run(std::string_view text) noexcept {
   }
 }
 
-// A cell as it stands in a line.
-bool is_safe_cell(std::string_view written) {
-  std::string cell(written);
-  if (written.starts_with('"')) {
-    cell.clear();
-    for (std::size_t i = 1; i + 1 < written.size(); ++i) {
-      cell += written[i];
-      if (written[i] == '"') ++i;  // it stands twice
-    }
-  }
-  return csv_cell(cell) == written && (cell == "-Inf" || !would_run(cell)) &&
-         std::none_of(cell.begin(), cell.end(),
-                      [](char c) { return static_cast<unsigned char>(c) < ' ' || c == '\x7f'; });
-}
-
 }  // namespace
 
 std::string csv_text(std::string_view text) {
@@ -89,20 +73,6 @@ std::string csv_cell(std::string_view cell) {
     quoted += character;
   }
   return quoted + '"';
-}
-
-bool is_safe_csv(std::string_view text, std::size_t cells) {
-  std::size_t begin = 0, seen = 0;
-  bool quoted = false;
-  for (std::size_t at = 0; at < text.size(); ++at) {
-    if (text[at] == '"') quoted = !quoted;
-    if (quoted || (text[at] != ',' && text[at] != '\n')) continue;
-    if (!is_safe_cell(text.substr(begin, at - begin))) return false;
-    begin = at + 1;
-    ++seen;
-    if (text[at] == '\n' && std::exchange(seen, 0) != cells) return false;
-  }
-  return begin == text.size() && seen == 0;
 }
 
 std::string csv_line(const std::vector<std::string>& cells) {

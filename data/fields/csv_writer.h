@@ -4,7 +4,6 @@
 // so that the dictionary cannot say anything else than the file.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <string>
@@ -32,9 +31,6 @@ inline std::string csv_flag(bool value) {
 std::string csv_text(std::string_view text);
 // A finished cell, quoted where RFC 4180 asks for it.
 std::string csv_cell(std::string_view cell);
-// Whether a text is lines as csv_line() writes them, of so many cells each, which hold no control character and nothing
-// that csv_text() would change.
-bool is_safe_csv(std::string_view text, std::size_t cells);
 // Cells joined by commas, with a line feed.
 std::string csv_line(const std::vector<std::string>& cells);
 

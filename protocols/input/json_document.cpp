@@ -12,6 +12,7 @@
 
 #include "protocols/input/json_reader.h"
 #include "protocols/input/json_syntax.h"
+#include "protocols/input/json_text.h"
 #include "protocols/input/utf8.h"
 
 namespace jnd {

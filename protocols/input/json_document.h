@@ -1,7 +1,6 @@
 // JSON with places: a document tree in which every value knows its line, column and path, and no duplicate key is lost.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -11,8 +10,6 @@
 #include "protocols/input/input_error.h"
 
 namespace jnd {
-
-inline constexpr std::size_t kMostJsonDepth = 64;  // levels of objects and arrays
 
 struct JsonNode {
   enum class Kind { null, boolean, number, string, array, object } kind = Kind::null;

@@ -2,8 +2,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "protocols/input/json_document.h"
-
 namespace jnd {
 
 using nlohmann::ordered_json;

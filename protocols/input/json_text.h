@@ -1,6 +1,7 @@
 // JSON documents from and to text. The library's parser and writer are compiled here alone: they take seconds in each wing.
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <string_view>
 
@@ -8,7 +9,9 @@
 
 namespace jnd {
 
-// Throws nlohmann::json::parse_error where the text is no JSON, or nested deeper than kMostJsonDepth (json_document.h).
+inline constexpr std::size_t kMostJsonDepth = 64;  // levels of objects and arrays
+
+// Throws nlohmann::json::parse_error where the text is no JSON, or nested deeper than kMostJsonDepth.
 nlohmann::ordered_json json_from(std::string_view text);
 // is_discarded() in these cases.
 nlohmann::ordered_json json_if_valid(std::string_view text);

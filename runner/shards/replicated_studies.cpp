@@ -1,5 +1,6 @@
 #include "runner/shards/replicated_studies.h"
 
+#include <algorithm>
 #include <limits>
 #include <utility>
 
@@ -62,6 +63,36 @@ DictionaryRow dictionary_row(const std::string& file, const ordered_json& column
           column.at(3).get<std::string>(),
           static_cast<CellType>(type),
           column.at(5).get<bool>()};
+}
+
+// A cell as it stands in a line, which no spreadsheet runs and no terminal obeys.
+bool is_safe_cell(std::string_view written) {
+  std::string cell(written);
+  if (written.starts_with('"')) {
+    cell.clear();
+    for (std::size_t i = 1; i + 1 < written.size(); ++i) {
+      cell += written[i];
+      if (written[i] == '"') ++i;  // it stands twice
+    }
+  }
+  const auto is_control = [](char c) { return static_cast<unsigned char>(c) < ' ' || c == '\x7f'; };
+  return csv_cell(cell) == written && (cell == "-Inf" || csv_text(cell) == cell) &&
+         std::none_of(cell.begin(), cell.end(), is_control);
+}
+
+// Whether a text is lines as csv_line() writes them, of so many cells each.
+bool is_safe_csv(std::string_view text, std::size_t cells) {
+  std::size_t begin = 0, seen = 0;
+  bool quoted = false;
+  for (std::size_t at = 0; at < text.size(); ++at) {
+    if (text[at] == '"') quoted = !quoted;
+    if (quoted || (text[at] != ',' && text[at] != '\n')) continue;
+    if (!is_safe_cell(text.substr(begin, at - begin))) return false;
+    begin = at + 1;
+    ++seen;
+    if (text[at] == '\n' && std::exchange(seen, 0) != cells) return false;
+  }
+  return begin == text.size() && seen == 0;
 }
 
 // Throws InputError unless the table is as to_json() makes it: a name that stays in the folder and leaves it those of

@@ -205,7 +205,7 @@ TEST_CASE("shards of other studies are refused", "[shards][replicated]") {
   for (const char* const name : {"../out.csv", "dictionary.csv", "SHA256SUMS", "a\x1b[2J.csv"})
     CHECK_THAT(edited(std::to_string(100 + ++n), [&](StudyShard& shard) { shard.result[0]["file"] = name; }),
                Catch::Contains("a name that jnd does not give"));
-  for (const char* const cell : {"=1+1", "\x1b[2J", "1,1"})
+  for (const char* const cell : {"=1+1", "\"\t@x,\"", "\"1\"", "\"1", "\x1b[2J", "1,1"})
     CHECK_THAT(edited(std::to_string(100 + ++n),
                       [&](StudyShard& shard) {
                         auto& rows = shard.result[0]["rows"].get_ref<std::string&>();
