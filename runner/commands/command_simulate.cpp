@@ -143,6 +143,7 @@ int command_simulate(const SimulateOptions& options) {
     return simulate_without_study(simulation, options.json);
   }
 
+  if (std::filesystem::exists(*options.study)) require_sound(*options.study);
   const std::unique_ptr<Study> study =
       open_or_create_study(*options.study, protocol, options.seed, {simulated_epoch_ns(1), 0});
   if (!study->sessions().empty() && plan_sealed(*study, protocol))

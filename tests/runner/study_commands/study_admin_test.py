@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """Looking after a study from outside: note, exclude, unblind, backup, merge, recover, verify --deep."""
+import contextlib
 import os
 import shutil
 import sqlite3
@@ -64,6 +65,20 @@ class Care(program.Case):
         self.assertTrue(self.json("verify", "s.sqlite", "--deep")["ok"])
         analysis = self.json("analyze", "s.sqlite")
         self.assertEqual({row["participant"] for row in analysis["participants"]}, {"P01"})
+
+    def test_nothing_is_written_into_a_study_that_verify_refuses(self):
+        with contextlib.closing(sqlite3.connect(self.folder / "s.sqlite")) as study:
+            for trigger, in study.execute("SELECT name FROM sqlite_schema WHERE type = 'trigger'").fetchall():
+                study.execute(f'DROP TRIGGER "{trigger}"')
+            study.execute("UPDATE event SET body = replace(body, 'P02', 'P03') WHERE kind = 'session.opened'")
+            study.commit()
+        before = (self.folder / "s.sqlite").read_bytes()
+        self.jnd("verify", "s.sqlite", code=1)
+        for command in (("note", "s.sqlite", "a note"), ("exclude", "s.sqlite", "--participant", "P01", "--reason", "ill"), ("unblind", "s.sqlite", "--reason", "safety"),
+                        ("simulate", "tutorial", "--participants", "3", "--study", "s.sqlite")):
+            self.assertIn("nothing is written into it", self.jnd(*command, code=1).stderr)
+            self.assertEqual((self.folder / "s.sqlite").read_bytes(), before)
+            self.assertEqual(os.listdir(self.folder), ["s.sqlite"])
 
     def test_unblind_happens_once(self):
         self.jnd("unblind", "s.sqlite", code=2)
