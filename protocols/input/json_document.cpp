@@ -4,6 +4,7 @@
 // and between two tokens there are only blanks, commas and colons.
 #include "protocols/input/json_document.h"
 
+#include <cmath>
 #include <tuple>
 #include <utility>
 
@@ -106,7 +107,7 @@ class TreeBuilder {
   bool add_number(double value) {
     JsonNode& node = add(JsonNode::Kind::number);
     node.number = value;
-    node.integer = node.text.find_first_of(".eE") == std::string::npos;
+    node.integer = value == std::trunc(value);
     return true;
   }
 

@@ -9,6 +9,7 @@
 #include "runner/commands/readable_json.h"
 #include "runner/keys/interrupt.h"
 #include "runner/terminal/exit_code.h"
+#include "runner/terminal/shell_word.h"
 #include "runner/terminal/terminal.h"
 
 namespace jnd {
@@ -34,7 +35,7 @@ int command_init(const InitOptions& options) {
       "  jnd plan {0} --participant P01\n"
       "  jnd run {0} --study rehearsal.sqlite --participant P01 --fast\n"
       "  jnd simulate {0} --participants {1} --study simulated.sqlite --seed 1\n",
-      printable(name), *filled_in(point).participants);
+      shell_word(name), *filled_in(point).participants);
   return exit_code::kDone;
 }
 

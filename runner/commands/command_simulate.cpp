@@ -21,6 +21,7 @@
 #include "runner/terminal/json_output.h"
 #include "runner/terminal/number_text.h"
 #include "runner/terminal/progress_bar.h"
+#include "runner/terminal/shell_word.h"
 #include "runner/terminal/standard_streams.h"
 #include "runner/terminal/terminal.h"
 
@@ -175,7 +176,7 @@ int command_simulate(const SimulateOptions& options) {
              counted(options.participants, "participant"),
              sessions == 1 ? "" : fmt::format(", {} sessions each", sessions), printable(profile.name), simulation.seed,
              trials, explores ? "explorations" : "trials", voided);
-  fmt::print("  next:  jnd analyze {}\n", printable(*options.study));
+  fmt::print("  next:  jnd analyze {}\n", shell_word(*options.study));
   return exit_code::kDone;
 }
 

@@ -15,6 +15,7 @@
 #include "runner/opening/study_access.h"
 #include "runner/session/ordered_work.h"
 #include "runner/terminal/number_text.h"
+#include "runner/terminal/shell_word.h"
 #include "runner/terminal/terminal.h"
 
 namespace jnd {
@@ -189,7 +190,7 @@ std::string ReplicationFolder::publish() {
       "{}: {} {} of {}, profile {}: {}\n  one of them again, whole:  jnd simulate {} --participants {} --seed SEED --study "
       "FILE, with the seed of its rows\n",
       printable(folder_.string()), studies_, studies_ == 1 ? "study" : "studies", counted(participants_, "participant"),
-      printable(profile_), fmt::join(names_, ", "), printable(protocol_.name), participants_);
+      printable(profile_), fmt::join(names_, ", "), shell_word(protocol_.name), participants_);
 }
 
 }  // namespace jnd

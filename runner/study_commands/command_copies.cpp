@@ -13,6 +13,7 @@
 #include "runner/terminal/exit_code.h"
 #include "runner/terminal/json_output.h"
 #include "runner/terminal/number_text.h"
+#include "runner/terminal/shell_word.h"
 #include "runner/terminal/standard_streams.h"
 #include "runner/terminal/terminal.h"
 #include "runner/terminal/text_table.h"
@@ -69,7 +70,7 @@ std::vector<std::string> problems_of(const RecoveryReport& report, const std::st
     write_marked_message(fmt::format(
         "interrupted when {} was already written: it stays, and this is its report; jnd verify {} says all of its "
         "problems",
-        to, to));
+        to, shell_word(to)));
     return sealed_problems(report.verified.problems);
   }
 }

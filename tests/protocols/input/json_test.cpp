@@ -25,7 +25,7 @@ TEST_CASE("every value and key knows its place") {
   CHECK(list.items[0].path == "$.a[0]");
   CHECK(list.items[1].number == -2500);
   CHECK(list.items[1].text == "-2.5e3");
-  CHECK_FALSE(list.items[1].integer);
+  CHECK(list.items[1].integer);  // -2500, as JSON Schema has it
   CHECK(std::pair(list.items[1].line, list.items[1].column) == std::pair(2, 12));
   CHECK(std::pair(list.items[2].line, list.items[2].column) == std::pair(2, 21));
   CHECK(root.key_places[1] == std::pair(3, 3));
@@ -37,6 +37,18 @@ TEST_CASE("every value and key knows its place") {
   CHECK(inner.items[1].path == "$[\"ü\"][\"b c\"]");
   CHECK(inner.find("b c") == &inner.items[0]);
   CHECK(root.find("zzz") == nullptr);
+}
+
+TEST_CASE("a whole number may be written with a fraction of 0 or an exponent") {
+  std::vector<Diagnostic> diagnostics;
+  const JsonNode root = parse_json(R"({"a": 16.0, "b": 1e3, "c": 16.5, "d": 1e300})", "f");
+  JsonReader reader(root, diagnostics, "f");
+  CHECK(reader.integer("a") == 16);
+  CHECK(reader.integer("b") == 1000);
+  CHECK(diagnostics.empty());
+  CHECK(reader.integer("c") == 0);
+  CHECK(reader.integer("d") == 0);
+  CHECK(diagnostics.size() == 2);
 }
 
 TEST_CASE("a number with more behind it is named whole, also where the text ends with it") {
@@ -154,7 +166,7 @@ TEST_CASE("the reader collects mistakes and goes on") {
   for (const Diagnostic& diagnostic : diagnostics) messages.push_back(to_text(diagnostic));
   REQUIRE(messages.size() == 7);
   CHECK(messages[0] == "f.json:1:11: $.sigma: must be a number in N/m, not the text \"3\" (write it without quotes)");
-  CHECK(messages[1] == "f.json:1:25: $.count: must be a whole number, not 2.5 (write it without fraction or exponent)");
+  CHECK(messages[1] == "f.json:1:25: $.count: must be a whole number, not 2.5 (write it without a fraction)");
   CHECK(messages[2] ==
         "f.json:1:38: $.mode: \"slwo\" is not known (did you mean \"slow\"? known: \"slow\" or \"fast\")");
   CHECK(messages[3] == "f.json:1:86: $.list: has 1 element (must have 2 to 3)");
