@@ -37,8 +37,7 @@ class TwoAnswers {
     for (std::size_t row = 0; row < table.rows(); ++row) {
       const std::string_view word = table.text(row, column);
       if (word == missing) continue;
-      if (word.empty())
-        table.fail(row, column, "is empty", "to leave out trials without an answer: --no-answer \"\"");
+      if (word.empty()) table.fail(row, column, "is empty", "to leave out trials without an answer: --no-answer \"\"");
       if (std::find(words_.begin(), words_.end(), word) != words_.end()) continue;
       if (words_.size() == 2)
         table.fail(row, column,
@@ -298,8 +297,9 @@ void add_trial_options(const Command& command, TrialOptions& options, const Tria
                        "with --trials and --observer independent: column that names the trials that were mixed, of one "
                        "difference");
   }
-  command.add_option("--no-answer", options.no_answer,
-                     "with --trials: what stands in place of a missing answer, such as -1, NA or \"\": these trials are left out");
+  command.add_option(
+      "--no-answer", options.no_answer,
+      "with --trials: what stands in place of a missing answer, such as -1, NA or \"\": these trials are left out");
   command.add_option("--positive", options.positive,
                      fmt::format("with --trials: the answer that says that {}", use.positive));
 }

@@ -18,7 +18,7 @@ struct TrialOptions {
   std::string participant, condition, level, answer;
   std::string standard;  // a column, or a number
   std::string order;
-  std::string positive;  // the answer that is counted, where the words do not say so themselves
+  std::string positive;                  // the answer that is counted, where the words do not say so themselves
   std::optional<std::string> no_answer;  // what stands in place of a missing answer; may be empty
   std::string sureness, block;
   int sure_from = 2;  // degrees of sureness from here on count as sure

@@ -48,9 +48,8 @@ std::string unknown_command(const CLI::App& parent, const std::string& word) {
 }
 
 std::string unknown_option(const CLI::App& command, const std::string& name) {
-  const std::string near = name.find('.') == std::string::npos
-                               ? did_you_mean(name, option_names(command))
-                               : fmt::format("; a file of that name is ./{}", name);
+  const std::string near = name.find('.') == std::string::npos ? did_you_mean(name, option_names(command))
+                                                               : fmt::format("; a file of that name is ./{}", name);
   if (command.get_parent() == nullptr) return fmt::format("there is no option {} before the command{}", name, near);
   return fmt::format("{} has no option {}{}", without_program(command), name, near);
 }

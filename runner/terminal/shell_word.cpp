@@ -13,9 +13,8 @@ std::string shell_word(std::string_view name) {
   if (printable(word) == word) return shell_quoted(word);
   std::string escaped = "$'";  // of bash and zsh
   for (const char c : word)
-    escaped += kPlain.find(c) != std::string_view::npos
-                   ? std::string(1, c)
-                   : fmt::format("\\x{:02x}", static_cast<unsigned char>(c));
+    escaped += kPlain.find(c) != std::string_view::npos ? std::string(1, c)
+                                                        : fmt::format("\\x{:02x}", static_cast<unsigned char>(c));
   return escaped + "'";
 }
 

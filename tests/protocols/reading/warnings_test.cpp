@@ -32,7 +32,8 @@ TEST_CASE("keys that Caps Lock turns into each other are told") {
   const auto told = [](const std::string& same, const std::string& different) {
     const std::string bytes = replaced(base(), R"("keys": {"same": "s", "different": "d"})",
                                        fmt::format(R"("keys": {{"same": "{}", "different": "{}"}})", same, different));
-    return warnings_with(bytes, "$.trial.keys.same", "Caps Lock") + warnings_with(bytes, "$.trial.keys.different", "Caps Lock");
+    return warnings_with(bytes, "$.trial.keys.same", "Caps Lock") +
+           warnings_with(bytes, "$.trial.keys.different", "Caps Lock");
   };
   CHECK(told("s", "d") == 0);
   CHECK(told("s", "D") == 0);
