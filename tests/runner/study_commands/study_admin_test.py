@@ -180,11 +180,12 @@ class Care(program.Case):
         ids = [{row["id"] for row in self.json("status", name)["sessions"]} for name in ("s.sqlite", "q.sqlite")]
         self.assertFalse(ids[0] & ids[1])
 
-    def test_codes_that_differ_in_capitals_only_are_refused(self):
+    def test_codes_that_look_alike_are_refused(self):
         run = ("run", "tutorial", "--study", "r.sqlite", "--responder", "chinello2017", "--fast", "--seed", "1")
         self.jnd(*run, "--participant", "P07")
-        refused = self.jnd(*run, "--participant", "p07", code=2).stderr
-        self.assertIn("the study has a participant P07", refused)
+        for code in ("p07", "P7", "P007"):
+            refused = self.jnd(*run, "--participant", code, code=2).stderr
+            self.says(refused, "the study has a participant P07", "For the same person: --participant P07")
         self.jnd(*run, "--participant", "p08")
 
     def test_a_file_with_a_foreign_trigger_is_refused_in_words(self):
