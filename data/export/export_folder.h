@@ -29,8 +29,8 @@ class ExportFolder {
   void append(const std::string& relative, const std::string& bytes);
   // What was written so far, relative, in alphabetical order.
   std::vector<std::string> names() const;
-  // Adds SHA256SUMS, by which such a folder is known again, and which says how many rows each table has: after it nothing more is written, and nothing of the disk
-  // is needed for its place. Throws StorageError.
+  // Adds SHA256SUMS, by which such a folder is known again, and which says how many rows each table has: after it
+  // nothing more is written, and nothing of the disk is needed for its place. Throws StorageError.
   void finish();
   // Puts the folder, finished first where it is not, into its place. Returns the files but SHA256SUMS, relative, in
   // alphabetical order. Throws StorageError.

@@ -1,5 +1,5 @@
-// Codes of people that are taken for one another: in other capitals, with other zeros before a number (P1, P001), or with
-// a letter and its accent as one character or as two.
+// Codes of people that are taken for one another: in other capitals, with other zeros before a number (P1, P001), or
+// with a letter and its accent as one character or as two.
 #pragma once
 
 #include <string>

@@ -4,8 +4,8 @@
 Start it first; it ends with the session:
     python3 lsl_markers.py markers.sock --file markers.csv
     jnd run my-study.json --study study.sqlite --participant P01 --events markers.sock
-The markers of the next session come behind those of this one, unless it gets a file of its own. With pylsl installed the markers are a stream of type "Markers" too; without it, only the file is written. A marker is the event's name with
-what tells it apart: "trial.began:5", "interval.began:1".
+The next session's markers come behind these, unless they get a file of their own. With pylsl installed the markers are a stream of type "Markers"
+too; without it, only the file is written. A marker is the event's name with what tells it apart: "trial.began:5", "interval.began:1".
 """
 import argparse
 import json

@@ -38,8 +38,8 @@ void refuse_look_alikes(const std::vector<SessionInfo>& sessions, const SessionR
   for (const SessionInfo& session : sessions)
     if (look_of(session.participant) == look_of(request.participant))
       throw UsageError(fmt::format(
-          "participant {}: the study has a participant {}, and codes that differ in capitals or zeros only are mistaken for "
-          "each other. For the same person: --participant {}; a newcomer needs another code",
+          "participant {}: the study has a participant {}, and codes that differ in capitals or zeros only are mistaken "
+          "for each other. For the same person: --participant {}; a newcomer needs another code",
           request.participant, session.participant, session.participant));
 }
 
