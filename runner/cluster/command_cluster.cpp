@@ -19,7 +19,6 @@
 #include "runner/keys/interrupt.h"
 #include "runner/terminal/exit_code.h"
 #include "runner/terminal/number_text.h"
-#include "runner/terminal/shell_word.h"
 #include "runner/terminal/standard_streams.h"
 #include "runner/terminal/terminal.h"
 

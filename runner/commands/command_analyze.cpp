@@ -23,7 +23,6 @@
 #include "runner/terminal/exit_code.h"
 #include "runner/terminal/json_output.h"
 #include "runner/terminal/pager.h"
-#include "runner/terminal/shell_word.h"
 #include "runner/terminal/standard_streams.h"
 #include "runner/terminal/terminal.h"
 #include "runner/terminal/work_line.h"

@@ -9,7 +9,6 @@
 #include "runner/commands/readable_json.h"
 #include "runner/keys/interrupt.h"
 #include "runner/terminal/exit_code.h"
-#include "runner/terminal/shell_word.h"
 #include "runner/terminal/terminal.h"
 
 namespace jnd {

@@ -16,7 +16,6 @@
 #include "runner/keys/interrupt.h"
 #include "runner/terminal/exit_code.h"
 #include "runner/terminal/json_output.h"
-#include "runner/terminal/shell_word.h"
 #include "runner/terminal/terminal.h"
 
 namespace jnd {

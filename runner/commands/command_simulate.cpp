@@ -21,7 +21,6 @@
 #include "runner/terminal/json_output.h"
 #include "runner/terminal/number_text.h"
 #include "runner/terminal/progress_bar.h"
-#include "runner/terminal/shell_word.h"
 #include "runner/terminal/standard_streams.h"
 #include "runner/terminal/terminal.h"
 

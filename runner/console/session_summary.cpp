@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "devices/external/external_settings.h"
-#include "runner/terminal/shell_word.h"
 #include "runner/terminal/terminal.h"
 #include "runner/words/words.h"
 

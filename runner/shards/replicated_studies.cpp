@@ -15,7 +15,6 @@
 #include "runner/opening/study_access.h"
 #include "runner/session/ordered_work.h"
 #include "runner/terminal/number_text.h"
-#include "runner/terminal/shell_word.h"
 #include "runner/terminal/terminal.h"
 
 namespace jnd {

@@ -13,7 +13,6 @@
 #include "runner/terminal/exit_code.h"
 #include "runner/terminal/json_output.h"
 #include "runner/terminal/number_text.h"
-#include "runner/terminal/shell_word.h"
 #include "runner/terminal/standard_streams.h"
 #include "runner/terminal/terminal.h"
 #include "runner/terminal/text_table.h"

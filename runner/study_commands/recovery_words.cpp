@@ -8,7 +8,6 @@
 #include <fmt/ranges.h>
 
 #include "runner/terminal/number_text.h"
-#include "runner/terminal/shell_word.h"
 #include "runner/terminal/terminal.h"
 #include "runner/terminal/text_table.h"
 

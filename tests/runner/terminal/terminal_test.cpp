@@ -4,7 +4,6 @@
 #include <nlohmann/json.hpp>
 #include <rapidcheck.h>
 
-#include "runner/terminal/shell_word.h"
 #include "tests/catch.h"
 
 namespace jnd {
