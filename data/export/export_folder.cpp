@@ -51,10 +51,24 @@ std::string sum_of(const fs::path& path) {
   return to_hex(sum.finish());
 }
 
-std::string text_of(const std::map<std::string, std::string>& sums) {
+std::string text_of(const std::map<std::string, std::string>& sums, const std::map<std::string, std::int64_t>& lines) {
   std::string text(kHeading);
-  for (const auto& [name, sum] : sums) text += fmt::format("{}  {}\n", sum, name);
+  for (const auto& [name, sum] : sums) {
+    if (name.ends_with(".csv")) text += fmt::format("# {} rows: {}\n", lines.at(name) - 1, name);
+    text += fmt::format("{}  {}\n", sum, name);
+  }
   return text;
+}
+
+// Of whole lines of a table, whose cells may hold line feeds too.
+std::int64_t count_lines(std::string_view csv) noexcept {
+  std::int64_t lines = 0;
+  bool quoted = false;
+  for (const char c : csv) {
+    if (c == '"') quoted = !quoted;
+    if (c == '\n' && !quoted) ++lines;
+  }
+  return lines;
 }
 
 // Empty where there is no such list.
@@ -130,6 +144,7 @@ fs::path ExportFolder::place_within(const std::string& relative) const {
 void ExportFolder::write(const std::string& relative, const std::string& bytes) {
   stop_if_requested();
   draft_->write_within(place_within(relative), bytes);
+  lines_[relative] = count_lines(bytes);
   sums_[relative] = sha256_hex(bytes);
 }
 
@@ -139,6 +154,7 @@ void ExportFolder::append(const std::string& relative, const std::string& bytes)
   if (file == growing_.end())
     file = growing_.emplace(relative, Growing{draft_->open_within(place_within(relative))}).first;
   file->second.waiting += bytes;
+  lines_[relative] += count_lines(bytes);
   if (file->second.waiting.size() >= kWaitingBytes) file->second.flush();
 }
 
@@ -155,7 +171,7 @@ void ExportFolder::finish() {
     sums_[name] = to_hex(file.sum.finish());
   }
   growing_.clear();
-  draft_->write_within(kSums, text_of(sums_));
+  draft_->write_within(kSums, text_of(sums_, lines_));
   finished_ = true;
 }
 

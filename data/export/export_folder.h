@@ -2,6 +2,7 @@
 // was written into it.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -28,8 +29,8 @@ class ExportFolder {
   void append(const std::string& relative, const std::string& bytes);
   // What was written so far, relative, in alphabetical order.
   std::vector<std::string> names() const;
-  // Adds SHA256SUMS, by which such a folder is known again: after it nothing more is written, and nothing of the disk
-  // is needed for its place. Throws StorageError.
+  // Adds SHA256SUMS, by which such a folder is known again, and which says how many rows each table has: after it
+  // nothing more is written, and nothing of the disk is needed for its place. Throws StorageError.
   void finish();
   // Puts the folder, finished first where it is not, into its place. Returns the files but SHA256SUMS, relative, in
   // alphabetical order. Throws StorageError.
@@ -49,8 +50,9 @@ class ExportFolder {
   // Throws StorageError where the name leads out of the folder.
   std::filesystem::path place_within(const std::string& relative) const;
 
-  std::map<std::string, Growing> growing_;   // by file, relative
-  std::map<std::string, std::string> sums_;  // the same, of those that are whole
+  std::map<std::string, Growing> growing_;     // by file, relative
+  std::map<std::string, std::int64_t> lines_;  // of these, and of those that are whole
+  std::map<std::string, std::string> sums_;    // the same, of those that are whole
   bool finished_ = false;
 };
 

@@ -1,7 +1,9 @@
 # Computes the results of a study again, from the CSV files of the folder that this script lies in.
 #
-#     Rscript recompute.R                    (or: Rscript recompute.R FOLDER)
+#     Rscript --vanilla recompute.R          (or: Rscript --vanilla recompute.R FOLDER)
 #     source("recompute.R")                  from a session of R whose working folder is this one
+#
+# Without --vanilla, R itself runs a file .Rprofile of its working folder when it starts.
 #
 # It needs R 3.5 or later and no package. It is meant to be read: each step from the answers to the group is a short
 # function. dictionary.csv says what every column of every file means.
@@ -17,9 +19,9 @@
 # from there on is computed again. So are the JNDs of maximum likelihood (thresholds.csv).
 #
 # What it prints: for each file how many numbers and words were compared and the largest relative difference; which
-# columns it does not compute. Rscript ends with status 1 where a number differs by more than 1e-9 of itself; a number
-# next to zero, such as a difference of equal means, may differ by 1e-14 of the largest number of its column, and a mean
-# by 1e-14 of its spread.
+# columns it does not compute; how many rows it read of how many that were written. Rscript ends with status 1 where a
+# row is missing, or a number differs by more than 1e-9 of itself; a number next to zero, such as a difference of equal
+# means, may differ by 1e-14 of the largest number of its column, and a mean by 1e-14 of its spread.
 #
 # Bootstrap intervals of single JNDs are drawn at random, from the study's own seed, and are not computed here.
 
@@ -37,7 +39,12 @@ recompute <- function(folder) {
   # The files that the export holds, by its own list.
   sums <- file.path(folder, "SHA256SUMS")
   if (!file.exists(sums)) trouble("%s: SHA256SUMS is missing: this is no folder of jnd export", folder)
-  listed <- sub("^[0-9a-f]+  ", "", grep("^#", readLines(sums, encoding = "UTF-8"), value = TRUE, invert = TRUE))
+  lines <- readLines(sums, encoding = "UTF-8")
+  listed <- sub("^[0-9a-f]+  ", "", grep("^#", lines, value = TRUE, invert = TRUE))
+  # And how many rows those have that are tables.
+  counts <- grep("^# [0-9]+ rows: ", lines, value = TRUE)
+  rows_listed <- setNames(as.integer(sub("^# ([0-9]+) rows: .*", "\\1", counts)), sub("^# [0-9]+ rows: ", "", counts))
+  rows_read <- integer(0)
 
   # All cells are read as text, so that a participant "007" or a series "T" stays what it is. NULL where the export has no
   # such file.
@@ -47,6 +54,7 @@ recompute <- function(folder) {
     if (!file.exists(path)) trouble("%s is missing: SHA256SUMS lists it", name)
     rows <- read.csv(path, colClasses = "character", check.names = FALSE, na.strings = character(0), encoding = "UTF-8")
     if (!nrow(rows)) trouble("%s has no rows: there is nothing in it to compare or to compute from", name)
+    rows_read[name] <<- nrow(rows)
     rows
   }
   number <- function(text) suppressWarnings(as.numeric(text))  # an empty cell is a missing value
@@ -626,16 +634,21 @@ recompute <- function(folder) {
     if (length(result$skipped)) cat("  not computed: the rows of ", paste(result$skipped, collapse = ", "), "\n", sep = "")
     for (line in head(result$wrong, 5)) cat("  DIFFERS: ", line, "\n", sep = "")
   }
+  said <- rows_listed[names(rows_read)]
+  cat("rows read: ", paste(sprintf("%d of %d in %s", rows_read, said, names(rows_read)), collapse = ", "), "\n", sep = "")
+  changed <- names(rows_read)[is.na(said) | said != rows_read]
+  if (length(changed)) cat("  DIFFERS: the number of rows in ", paste(changed, collapse = ", "), "\n", sep = "")
   cat("not computed here: intervals of single estimates (bootstrap or profile likelihood; methods.md says which)\n")
   wrong <- sum(sapply(results, function(result) length(result$wrong)))
   compared <- sum(sapply(results, function(result) result$compared))
   cat(sprintf("%d values compared, %d differ by more than %s\n", compared, wrong, format(tolerance)))
-  wrong == 0 && compared > 0
+  wrong == 0 && compared > 0 && !length(changed)
 }
 
 # The folder: named behind the script, that of the script, or the one that R works in.
 local({
   script <- sub("^--file=", "", grep("^--file=", commandArgs(FALSE), value = TRUE))
+  script <- gsub("~+~", " ", script, fixed = TRUE)  # so R writes a blank there
   named <- commandArgs(TRUE)
   sourced <- Filter(Negate(is.null), lapply(sys.frames(), function(frame) frame$ofile))
   of_script <- if (length(sourced)) sourced[[length(sourced)]] else script

@@ -17,16 +17,21 @@ adaptive procedures, the participants' own estimates (estimates.csv, tracks.csv)
 from there on is computed again. So are the JNDs of maximum likelihood (thresholds.csv).
 
 What it prints: for each file how many numbers and words were compared and the largest relative difference; which
-columns it does not compute. It ends with status 1 where a number differs by more than 1e-9 of itself; a number next to
-zero, such as a difference of equal means, may differ by 1e-14 of the largest number of its column, and a mean by 1e-14
-of its spread.
+columns it does not compute; how many rows it read of how many that were written. It ends with status 1 where a row is
+missing, or a number differs by more than 1e-9 of itself; a number next to zero, such as a difference of equal means, may
+differ by 1e-14 of the largest number of its column, and a mean by 1e-14 of its spread.
 
 Bootstrap intervals of single JNDs are drawn at random, from the study's own seed, and are not computed here.
 """
-import csv
-import math
 import os
 import sys
+
+HERE = os.path.dirname(os.path.realpath(__file__))
+sys.path = [place for place in sys.path if os.path.realpath(place) != HERE]  # nothing that lies here is imported
+
+import csv
+import math
+import re
 from statistics import NormalDist, median
 
 TOLERANCE = 1e-9
@@ -115,11 +120,17 @@ class Trouble(Exception):
     """The folder is not as jnd export wrote it."""
 
 
+ROWS_READ = {}  # by file
+
+
 def listed():
-    """The files that the export holds, by its own list."""
+    """The files that the export holds, by its own list, and how many rows those have that are tables."""
     try:
         with open(os.path.join(FOLDER, "SHA256SUMS"), encoding="utf-8") as file:
-            return {line.rstrip("\n").split("  ", 1)[1] for line in file if not line.startswith("#")}
+            lines = file.read().splitlines()
+        rows = [re.match(r"# (\d+) rows: (.*)", line) for line in lines]
+        return ({line.split("  ", 1)[1] for line in lines if not line.startswith("#")},
+                {said[2]: int(said[1]) for said in rows if said})
     except OSError:
         raise Trouble(f"{FOLDER}: SHA256SUMS is missing: this is no folder of jnd export") from None
 
@@ -135,6 +146,7 @@ def read(name):
         raise Trouble(f"{name} is missing: SHA256SUMS lists it") from None
     if not rows:
         raise Trouble(f"{name} has no rows: there is nothing in it to compare or to compute from")
+    ROWS_READ[name] = len(rows)
     return rows
 
 
@@ -890,17 +902,21 @@ def main():
     check_groups(outcome_named, groups, source)
     for checked in Checked.all:
         checked.report()
+    print("rows read: " + ", ".join(f"{read} of {ROWS.get(name)} in {name}" for name, read in ROWS_READ.items()))
+    changed = [name for name, read in ROWS_READ.items() if read != ROWS.get(name)]
+    if changed:
+        print("  DIFFERS: the number of rows in " + ", ".join(changed))
     print("not computed here: intervals of single estimates (bootstrap or profile likelihood; methods.md says which)")
     wrong = sum(len(checked.wrong) for checked in Checked.all)
     compared = sum(checked.compared for checked in Checked.all)
     print(f"{compared} values compared, {wrong} differ by more than {TOLERANCE}")
-    return 1 if wrong or not compared else 0
+    return 1 if wrong or changed or not compared else 0
 
 
 if __name__ == "__main__":
-    FOLDER = sys.argv[1] if len(sys.argv) > 1 else os.path.dirname(os.path.abspath(__file__))
+    FOLDER = sys.argv[1] if len(sys.argv) > 1 else HERE
     try:
-        LISTED = listed()
+        LISTED, ROWS = listed()
         sys.exit(main())
     except Trouble as trouble:
         sys.exit(f"recompute.py: {trouble}")

@@ -149,7 +149,7 @@ StorageError cannot_read(const fs::path& path, int error) {
       fmt::format("{}: cannot be read: {}", path.string(), file_trouble(path, error, FileUse::read).text()));
 }
 
-Draft::Draft(const fs::path& place, What what, Access access) : place_(place), what_(what) {
+Draft::Draft(const fs::path& place, What what, Access access) : place_(place), what_(what), access_(access) {
   clear_drafts(place);
   const mode_t mode = access == Access::everyone ? 0777 : 0700;
   for (;;) {
@@ -215,11 +215,14 @@ void Draft::write_within(const fs::path& relative, std::string_view bytes) const
 }
 
 DraftPart Draft::open_within(const fs::path& relative) const {
-  const fs::path path = path_ / relative;
-  std::error_code error;
-  fs::create_directories(path.parent_path(), error);
-  if (error) throw cannot_write(place_ / relative, error.value());
-  return {path, place_ / relative};
+  fs::path folder = path_;
+  for (const fs::path& part : relative.parent_path()) {
+    folder /= part;
+    const bool made = ::mkdir(folder.c_str(), access_ == Access::everyone ? 0777 : 0700) == 0;
+    if (!made && errno != EEXIST) throw cannot_write(place_ / relative, errno);
+    if (made && access_ == Access::owner) (void)::chmod(folder.c_str(), 0700);
+  }
+  return {path_ / relative, place_ / relative};
 }
 
 bool Draft::publish() {

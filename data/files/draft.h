@@ -41,8 +41,8 @@ class DraftPart {
 class Draft {
  public:
   enum class What { file, folder };
-  // What people said and did is for its owner (0600, folders 0700), whatever the umask; other files follow the umask.
-  // So do folders within a folder: only its owner gets to them.
+  // What people said and did is for its owner (0600, folders and those within them 0700), whatever the umask; other
+  // files follow the umask.
   enum class Access { owner, everyone };
   // Makes it, empty. Throws StorageError.
   Draft(const std::filesystem::path& place, What what, Access access = Access::owner);
@@ -74,6 +74,7 @@ class Draft {
 
   std::filesystem::path place_, path_;
   What what_;
+  Access access_;
   int descriptor_ = -1;
 };
 

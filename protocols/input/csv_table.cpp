@@ -80,14 +80,16 @@ std::string listed(const std::vector<std::string>& names) {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
-// Takes a first line "sep=;" off, which spreadsheets write and obey. 0 without one.
+// Takes a first line "sep=;" off, which spreadsheets write and obey; in quotes too. 0 without one.
 char named_separator(std::string_view& text) {
-  if (!text.starts_with("sep=") || text.size() < 6) return 0;
-  const char separator = text[4];
-  if (std::string_view(",;\t").find(separator) == std::string_view::npos) return 0;
-  if (text[5] != '\n' && text[5] != '\r') return 0;
-  text.remove_prefix(5);  // the line end stays, and counts
-  return separator;
+  for (const std::string_view quote : {"", "\""})
+    for (const char separator : {',', ';', '\t'}) {
+      const std::string line = fmt::format("{}sep={}{}", quote, separator, quote);
+      if (!text.starts_with(line + '\n') && !text.starts_with(line + '\r')) continue;
+      text.remove_prefix(line.size());  // the line end stays, and counts
+      return separator;
+    }
+  return 0;
 }
 
 // The one of , ; and tab that the header has; a comma where it has none of them, or several.
@@ -116,9 +118,13 @@ class CsvTable::Scanner {
   Scanner(Text& text, std::string_view rest, char separator, int line, const std::string& file)
       : kept_(text), text_(rest), separator_(separator), file_(file), line_(line), invalid_(first_invalid_utf8(rest)) {}
 
-  // Appends the cells of the next row that is not an empty line; false at the end.
+  // Appends the cells of the next row that is not an empty line, or one of blanks; false at the end.
   bool next(int& line, std::vector<std::string_view>& cells) {
-    while (at_ < text_.size() && at_line_end()) step();
+    skip_blanks();
+    while (at_ < text_.size() && at_line_end()) {
+      step();
+      skip_blanks();
+    }
     if (at_ >= text_.size()) return false;
     line = line_;
     int column = 0;

@@ -4,6 +4,7 @@
 // and between two tokens there are only blanks, commas and colons.
 #include "protocols/input/json_document.h"
 
+#include <cmath>
 #include <tuple>
 #include <utility>
 
@@ -12,13 +13,13 @@
 
 #include "protocols/input/json_reader.h"
 #include "protocols/input/json_syntax.h"
+#include "protocols/input/json_text.h"
 #include "protocols/input/utf8.h"
 
 namespace jnd {
 namespace {
 
 constexpr std::size_t kMaxBytes = 1U << 20U;
-constexpr std::size_t kMaxDepth = 64;
 // Every value knows its path, so that memory grows with depth x length of keys x values: each has a bound.
 constexpr std::size_t kMaxKeyBytes = 256;
 constexpr std::size_t kMaxValues = 20000;
@@ -106,14 +107,14 @@ class TreeBuilder {
   bool add_number(double value) {
     JsonNode& node = add(JsonNode::Kind::number);
     node.number = value;
-    node.integer = node.text.find_first_of(".eE") == std::string::npos;
+    node.integer = value == std::trunc(value);
     return true;
   }
 
   bool open(JsonNode::Kind kind) {
     JsonNode& node = add(kind);
-    if (open_.size() == kMaxDepth) {
-      fail(last_begin_, fmt::format("nested deeper than {} levels", kMaxDepth), "this is not a file of ours");
+    if (open_.size() == kMostJsonDepth) {
+      fail(last_begin_, fmt::format("nested deeper than {} levels", kMostJsonDepth), "this is not a file of ours");
     }
     open_.push_back(&node);
     brackets_.emplace_back(&node, last_begin_);

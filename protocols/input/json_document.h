@@ -15,7 +15,7 @@ struct JsonNode {
   enum class Kind { null, boolean, number, string, array, object } kind = Kind::null;
   bool boolean = false;
   double number = 0;
-  bool integer = false;                         // the number was written without fraction or exponent
+  bool integer = false;                         // the number is whole: 16, 16.0 and 1e3 are
   std::string text;                             // string value; for numbers the literal
   std::vector<JsonNode> items;                  // array elements, or the values of an object
   std::vector<std::string> keys;                // of an object, parallel to items, in the file's order, duplicates kept

@@ -125,7 +125,7 @@ std::optional<int> integer_of(const JsonNode& node, const IntegerLimits& limits,
                               const std::string& file) {
   if (node.kind == JsonNode::Kind::number && !node.integer) {
     diagnostics.push_back(diagnostic_at(node, file, fmt::format("must be a whole number, not {}", node.text),
-                                        "write it without fraction or exponent"));
+                                        "write it without a fraction"));
     return std::nullopt;
   }
   const NumberLimits range{static_cast<double>(limits.min), static_cast<double>(limits.max), false, limits.unit};

@@ -44,7 +44,7 @@ struct NumberLimits {
   std::string_view unit = "";
 };
 
-// The same for whole numbers (written without fraction or exponent).
+// The same for whole numbers (16, 16.0 or 1e3).
 struct IntegerLimits {
   int min = std::numeric_limits<int>::min();
   int max = std::numeric_limits<int>::max();

@@ -34,7 +34,7 @@ SyntaxError explain_string(std::string_view bytes, std::size_t begin, std::size_
   if (has("missing closing quote") || has("U+000A") || has("U+000D"))
     return {begin, "the text that begins here has no closing quote on its line", "add the missing \""};
   if (has("control character"))
-    return {last_read, "a control character inside a text", "write \\t for a tab, or leave it out"};
+    return {last_read, "a control character inside a text", "write blanks for a tab, or leave it out"};
   if (has("\\u") || has("surrogate"))
     return {last_read, "an incomplete \\u escape", "write \\u and four hexadecimal digits, or the character itself"};
   if (has("backslash")) return {last_read, "a backslash that begins no known escape", "write \\\\ for a backslash"};

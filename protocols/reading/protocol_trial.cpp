@@ -30,6 +30,12 @@ CueSignal read_cue(JsonReader& cues, std::string_view key, ProtocolReading& read
 // The console keeps these for itself.
 constexpr std::string_view kReservedKeys = "pqxX";
 
+// What Caps Lock makes of a letter; 0 where it is none.
+char with_caps_lock(char key) {
+  const bool letter = (key >= 'a' && key <= 'z') || (key >= 'A' && key <= 'Z');
+  return letter ? static_cast<char>(key ^ 0x20) : '\0';
+}
+
 char read_key(JsonReader& keys, const std::string& key, char fallback, ProtocolReading& reading) {
   const std::string text = keys.text(key, {.max_length = 20});
   const JsonNode* node = keys.node().find(key);
@@ -71,8 +77,15 @@ void read_keys(const JsonNode& node, ProtocolReading& reading) {
   for (AnswerChoice& answer : answers) answer.key = read_key(reader, answer.word, answer.key, reading);
   reader.finish();
   if (!reading.sound(node.path)) return;
-  for (std::size_t i = 1; i < answers.size(); ++i) {
+  for (std::size_t i = 0; i < answers.size(); ++i) {
+    const auto warn = [&](const std::string& other) {
+      reading.warn_at(member_path(node.path, answers[i].word),
+                      fmt::format("Caps Lock turns the key for {} into this one", other), "take another letter");
+    };
+    if (answers[i].key == 'P') warn("the pause");
+    if (answers[i].key == 'Q') warn("the end of the session");
     for (std::size_t j = 0; j < i; ++j) {
+      if (answers[i].key == with_caps_lock(answers[j].key)) warn(in_quotes(answers[j].word));
       if (answers[i].key != answers[j].key) continue;
       reader.error(answers[i].word, fmt::format("is the key for {} too", in_quotes(answers[j].word)),
                    answers.size() == 2 ? "the two answers need different keys" : "every answer needs a key of its own");

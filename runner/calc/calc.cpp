@@ -1,6 +1,12 @@
 #include "runner/calc/calc.h"
 
+#include <set>
+
+#include <fmt/format.h>
+
+#include "protocols/input/look_alikes.h"
 #include "runner/calc/trials_input.h"
+#include "runner/terminal/standard_streams.h"
 
 namespace jnd {
 
@@ -12,6 +18,16 @@ void add_input(const Command& command, CalcInput& input, const std::string& colu
   command.add_option("FILE", input.file, "a CSV file with the columns " + columns + "; - reads standard input")
       .required();
   command.add_flag("--json", input.json, "machine-readable");
+}
+
+void say_look_alikes(const CsvTable& table, const std::string& column, const std::string& file) {
+  std::set<std::string> codes;
+  for (std::size_t row = 0; row < table.rows(); ++row) codes.emplace(table.text(row, column));
+  const std::string alike = look_alikes({codes.begin(), codes.end()});
+  if (!alike.empty())
+    write_marked_message(
+        fmt::format("{}: {} look alike, and count as different people: write each person's code in one way",
+                    file == "-" ? "standard input" : file, alike));
 }
 
 void add_calc_commands(CommandTree& program) {

@@ -9,6 +9,7 @@
 #include "analysis/group/p_adjust.h"
 #include "analysis/numerics/studentised_range.h"
 #include "protocols/input/csv_table.h"
+#include "protocols/input/input_error.h"
 #include "runner/calc/calc.h"
 #include "runner/calc/calc_group_input.h"
 #include "runner/terminal/exit_code.h"
@@ -28,7 +29,13 @@ struct GroupOptions {
 };
 
 int compare_conditions(const GroupOptions& options) {
-  const CsvTable csv = CsvTable::read(options.input.file, {"participant", "condition", "value"}, {"group"});
+  const CsvTable csv = CsvTable::read(options.input.file, {"participant", "value"}, {"condition", "group"});
+  if (!csv.has("group") && !csv.has("condition"))
+    throw InputError(fmt::format(
+        "{}: there is no column \"condition\" (name what is compared within participants there, or groups of "
+        "participants in a column \"group\")",
+        options.input.file));
+  say_look_alikes(csv, "participant", options.input.file);
   if (csv.has("group")) {
     print_groups(grouped_table(csv), options.input.json);
     return exit_code::kDone;
@@ -151,7 +158,7 @@ void add_calc_group(CommandTree& calc) {
                "jnd calc compare jnds.csv --json", compare_conditions);
   add_input(compare, compared.input,
             "participant, condition, value (a row for every participant and condition), and "
-            "optionally group: of participants with one row each, or with all conditions");
+            "optionally group: of participants with one row each, who need no condition, or with all conditions");
   compare.add_notes(kDecimals);
 
   const auto [ranks, paired] = calc.add("wilcoxon", "Signed-rank tests of paired ratings, corrected over the items",

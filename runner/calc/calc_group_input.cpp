@@ -109,8 +109,11 @@ GroupedLongTable grouped_table(const CsvTable& csv) {
   std::map<std::pair<std::size_t, std::size_t>, double> cells;
   GroupedLongTable table;
   std::vector<std::size_t>& group_of = table.values.group;
+  const bool named = csv.has("condition");
+  if (!named) conditions.names = {"all"};
   for (std::size_t row = 0; row < csv.rows(); ++row) {
-    const std::size_t i = participants.add(csv, row, "participant"), j = conditions.add(csv, row, "condition");
+    const std::size_t i = participants.add(csv, row, "participant");
+    const std::size_t j = named ? conditions.add(csv, row, "condition") : 0;
     const std::size_t group = groups.add(csv, row, "group");
     if (i == group_of.size()) group_of.push_back(group);
     if (group_of[i] != group)
@@ -129,9 +132,9 @@ GroupedLongTable grouped_table(const CsvTable& csv) {
   if (groups.names.size() > 1000 || conditions.names.size() > 1000)
     csv.fail(0, "group", "there are more than 1000 groups or conditions", "at most 1000 of each are compared");
   const bool between = cells.size() == participants.names.size();
-  if (between)
+  if (between && named)
     refuse_second_factor(csv, participants, groups, group_of);
-  else
+  else if (!between)
     refuse_incomplete(csv, participants, conditions, cells);
   table.values.groups = groups.names.size();
   table.values.values.n = participants.names.size();

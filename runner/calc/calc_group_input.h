@@ -27,8 +27,9 @@ struct GroupedLongTable {
   GroupedTable values;                          // k = 1 where every participant has one value alone
   bool mixed() const noexcept { return values.values.k > 1; }
 };
-// Columns participant, condition, value, group. Throws one located InputError where a participant is in two groups or has
-// half a row, there is one group, or a group of participants with one value each has several conditions.
+// Columns participant, condition (may be missing where everybody has one row), value, group. Throws one located
+// InputError where a participant is in two groups or has half a row, there is one group, or a group of participants
+// with one value each has several conditions.
 GroupedLongTable grouped_table(const CsvTable& csv);
 
 struct PairedColumn {

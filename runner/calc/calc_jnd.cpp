@@ -285,6 +285,7 @@ std::vector<Group> counted_groups(const JndOptions& options) {
   if (!(options.reference > 0)) throw UsageError("--reference is required: the base of the Weber fraction");
   const CsvTable csv = CsvTable::read(
       options.input.file, {"participant", "condition", "delta", "n_diff", "hits", "n_same", "false_alarms"});
+  say_look_alikes(csv, "participant", options.input.file);
   return groups_of(csv, options.reference);
 }
 

@@ -14,7 +14,9 @@
 #include "protocols/input/csv_table.h"
 #include "protocols/input/input_error.h"
 #include "protocols/input/json_reader.h"
+#include "runner/calc/calc.h"
 #include "runner/terminal/exit_code.h"
+#include "runner/terminal/standard_streams.h"
 
 namespace jnd {
 
@@ -30,18 +32,20 @@ std::optional<double> number_in(const std::string& text) {
 // The two answers of a table, in order of first appearance.
 class TwoAnswers {
  public:
-  TwoAnswers(const CsvTable& table, const std::string& column) {
+  // missing: what stands in place of a missing answer.
+  TwoAnswers(const CsvTable& table, const std::string& column, const std::optional<std::string>& missing = {}) {
     for (std::size_t row = 0; row < table.rows(); ++row) {
       const std::string_view word = table.text(row, column);
-      if (word.empty())
-        table.fail(row, column, "is empty", "a trial without an answer is none: take its row out of the table");
+      if (word == missing) continue;
+      if (word.empty()) table.fail(row, column, "is empty", "to leave out trials without an answer: --no-answer \"\"");
       if (std::find(words_.begin(), words_.end(), word) != words_.end()) continue;
       if (words_.size() == 2)
         table.fail(row, column,
                    fmt::format("{} is neither {} nor {}", in_quotes(word), in_quotes(words_[0]), in_quotes(words_[1])),
-                   "write one of two words in every row, and take trials without a valid answer out");
+                   "write one of two words in every row; the word for no answer is said with --no-answer");
       words_.emplace_back(word);
     }
+    if (words_.empty()) table.fail(0, column, "no trial has an answer", "which word is no answer?");
   }
 
   bool only(std::string_view first, std::string_view second) const {
@@ -115,13 +119,15 @@ void read_sureness(CsvTrial& trial, const CsvTable& table, std::size_t row, cons
 
 // file: its name in messages.
 TrialTable trials_of(const CsvTable& table, const std::string& file, const TrialOptions& options, const TrialUse& use) {
-  const TwoAnswers answers(table, options.answer);
+  const TwoAnswers answers(table, options.answer, options.no_answer);
+  if (!options.participant.empty()) say_look_alikes(table, options.participant, file);
   TrialTable out;
   out.file = file;
   const std::optional<std::string> counted = counted_word(out.file, answers, options, use);
   const std::optional<double> one_standard = number_in(options.standard);
   std::map<std::tuple<std::string_view, std::string_view, double>, std::size_t> places;
   for (std::size_t row = 0; row < table.rows(); ++row) {
+    if (table.text(row, options.answer) == options.no_answer) continue;
     TrialUnit unit;
     std::string_view participant, condition;
     if (!options.participant.empty()) unit.participant = participant = table.text(row, options.participant);
@@ -141,6 +147,9 @@ TrialTable trials_of(const CsvTable& table, const std::string& file, const Trial
     out.trials.push_back(trial);
   }
   for (TrialUnit& unit : out.units) unit.one_of_several = !one_standard && !options.standard.empty();
+  if (options.no_answer)
+    write_marked_message(fmt::format("{}: {} of {} trials have no answer ({}) and are left out", file,
+                                     table.rows() - out.trials.size(), table.rows(), in_quotes(*options.no_answer)));
   return out;
 }
 
@@ -288,6 +297,9 @@ void add_trial_options(const Command& command, TrialOptions& options, const Tria
                        "with --trials and --observer independent: column that names the trials that were mixed, of one "
                        "difference");
   }
+  command.add_option(
+      "--no-answer", options.no_answer,
+      "with --trials: what stands in place of a missing answer, such as -1, NA or \"\": these trials are left out");
   command.add_option("--positive", options.positive,
                      fmt::format("with --trials: the answer that says that {}", use.positive));
 }
@@ -299,6 +311,7 @@ void refuse_trial_options(const TrialOptions& options, const TrialUse& use) {
       {"--sureness", &options.sureness},   {"--block", &options.block}};
   for (const auto& [option, value] : given)
     if (!value->empty()) throw UsageError(fmt::format("{} goes with --trials, where rows are trials", option));
+  if (options.no_answer) throw UsageError("--no-answer goes with --trials, where rows are trials");
   if (use.differences && !options.standard.empty())
     throw UsageError("--standard goes with --trials, where rows are trials");
 }
@@ -320,7 +333,7 @@ std::optional<double> number_in_option(const std::string& text) {
 
 bool names_nothing(const TrialOptions& options) noexcept {
   return options.level.empty() && options.answer.empty() && options.participant.empty() && options.condition.empty() &&
-         options.standard.empty() && options.order.empty() && options.positive.empty();
+         options.standard.empty() && options.order.empty() && options.positive.empty() && !options.no_answer;
 }
 
 TrialTable read_trials(const std::string& file, const TrialOptions& options, const TrialUse& use) {

@@ -18,7 +18,8 @@ struct TrialOptions {
   std::string participant, condition, level, answer;
   std::string standard;  // a column, or a number
   std::string order;
-  std::string positive;  // the answer that is counted, where the words do not say so themselves
+  std::string positive;                  // the answer that is counted, where the words do not say so themselves
+  std::optional<std::string> no_answer;  // what stands in place of a missing answer; may be empty
   std::string sureness, block;
   int sure_from = 2;  // degrees of sureness from here on count as sure
 };
@@ -61,6 +62,7 @@ struct TrialTable {
   std::vector<CsvTrial> trials;
 };
 
+// Says on standard error how many trials have no answer, and which participants' codes look alike.
 // Throws UsageError where options lack --trials or do not go together, InputError with the place where a column is
 // missing, a level or standard is not a number, an order is neither 1 nor -1 (or second, first), or there are more than
 // two different answers; and where nothing says which answer is counted.

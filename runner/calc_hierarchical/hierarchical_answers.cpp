@@ -13,6 +13,7 @@
 
 #include "protocols/input/csv_table.h"
 #include "protocols/input/input_error.h"
+#include "runner/calc/calc.h"
 #include "runner/terminal/exit_code.h"
 #include "runner/terminal/terminal.h"
 
@@ -136,6 +137,7 @@ NamedAnswers counted_answers(const HierarchicalCommand& options) {
   std::vector<std::string> needed = {"participant", level, "n"}, further = {"condition", "k", "category", "block"};
   (options.drift ? needed : further).emplace_back("half");
   const CsvTable table = CsvTable::read(options.input.file, needed, further);
+  say_look_alikes(table, "participant", options.input.file);
   const bool graded = table.has("category");
   check_columns(table, options);
   BlockDifferences blocks;

@@ -33,6 +33,7 @@ constexpr const char* kProtocol = "protocol";  // a folder, so that the file kee
 constexpr const char* kShards = "shards";
 constexpr const char* kLogs = "logs";
 constexpr int kFormat = 2;
+constexpr std::streamoff kTailBytes = 1 << 16;  // of a log, which may be of any length
 
 // Options of the command that are said elsewhere.
 constexpr std::array<std::string_view, 3> kOfShards = {"--shard", "--to", "--threads"};
@@ -82,6 +83,20 @@ std::string fresh_name() {
   return fmt::format("jnd-{:08x}", random());
 }
 
+bool is_name(std::string_view name) {
+  return name.starts_with("jnd-") && name.size() == 12 &&
+         name.find_first_not_of("0123456789abcdef", 4) == std::string_view::npos;
+}
+
+// The protocol comes first, in a folder of its own; none leads out of the campaign's.
+bool are_within(const std::vector<CampaignFile>& files) {
+  return !files.empty() && files.front().name.starts_with(fmt::format("{}/", kProtocol)) &&
+         std::none_of(files.begin(), files.end(), [](const CampaignFile& one) {
+           const fs::path path = one.name;
+           return path.is_absolute() || std::find(path.begin(), path.end(), "..") != path.end();
+         });
+}
+
 void write_file(const fs::path& path, std::string_view bytes, bool program) {
   Draft draft(path, Draft::What::file, Draft::Access::everyone);
   draft.write(bytes);
@@ -103,6 +118,11 @@ const JsonNode& member(const JsonNode& node, std::string_view key, JsonNode::Kin
   return *found;
 }
 
+const std::string& text_in(const JsonNode& node, const fs::path& file) {
+  if (node.kind != JsonNode::Kind::string) damaged(file);
+  return node.text;
+}
+
 std::string text_of(const JsonNode& node, std::string_view key, const fs::path& file) {
   return member(node, key, JsonNode::Kind::string, file).text;
 }
@@ -115,7 +135,8 @@ int whole_of(const JsonNode& node, std::string_view key, const fs::path& file) {
 
 std::vector<std::string> texts_of(const JsonNode& node, std::string_view key, const fs::path& file) {
   std::vector<std::string> texts;
-  for (const JsonNode& item : member(node, key, JsonNode::Kind::array, file).items) texts.push_back(item.text);
+  for (const JsonNode& item : member(node, key, JsonNode::Kind::array, file).items)
+    texts.push_back(text_in(item, file));
   return texts;
 }
 
@@ -203,15 +224,20 @@ std::optional<Campaign> Campaign::open(const fs::path& folder) {
   if (whole_of(root, "jnd_cluster", file) != kFormat) damaged(file);
   campaign.name_ = text_of(root, "name", file);
   campaign.shards_ = whole_of(root, "shards", file);
-  if (campaign.shards_ < 1 || campaign.shards_ > kMostShards) damaged(file);
   campaign.command_ = text_of(root, "command", file);
+  if (!is_name(campaign.name_) || campaign.shards_ < 1 || campaign.shards_ > kMostShards ||
+      std::none_of(kCommands.begin(), kCommands.end(), [&](const auto& one) { return campaign.command_ == one.first; }))
+    damaged(file);
   campaign.arguments_ = texts_of(root, "arguments", file);
   const JsonNode& files = member(root, "files", JsonNode::Kind::object, file);
-  for (std::size_t i = 0; i < files.keys.size(); ++i) campaign.hashes_.push_back({files.keys[i], files.items[i].text});
+  for (std::size_t i = 0; i < files.keys.size(); ++i)
+    campaign.hashes_.push_back({files.keys[i], text_in(files.items[i], file)});
+  if (!are_within(campaign.hashes_)) damaged(file);
   const JsonNode& how = member(root, "settings", JsonNode::Kind::object, file);
   campaign.settings_ = {text_of(how, "program", file), text_of(how, "partition", file), text_of(how, "time", file),
                         text_of(how, "account", file), text_of(how, "memory", file),    whole_of(how, "at_once", file),
                         texts_of(how, "sbatch", file), texts_of(how, "setup", file)};
+  require_sbatch_words(campaign.settings_);
   for (const CampaignFile& one : campaign.hashes_)
     if (sha256_hex(read_input_file(campaign.folder_ / one.name)) != one.bytes)
       throw InputError(
@@ -281,12 +307,15 @@ std::string Campaign::log_tail(int shard, int lines) const {
   for (fs::directory_iterator file(folder_ / kLogs, error), end; !error && file != end; file.increment(error)) {
     std::error_code gone;
     const fs::file_time_type changed = file->last_write_time(gone);
-    if (gone || !file->path().string().ends_with(ending) || (!newest.empty() && changed < time)) continue;
+    if (gone || !file->is_regular_file(gone) || !file->path().string().ends_with(ending) ||
+        (!newest.empty() && changed < time))
+      continue;
     newest = file->path();
     time = changed;
   }
   if (newest.empty()) return "";
-  std::ifstream in(newest);
+  std::ifstream in(newest, std::ios::ate);
+  in.seekg(std::max<std::streamoff>(0, static_cast<std::streamoff>(in.tellg()) - kTailBytes));
   std::vector<std::string> last;
   for (std::string line; std::getline(in, line);) {
     last.push_back(line);
@@ -325,7 +354,7 @@ std::string Campaign::text() const {
 }
 
 std::string Campaign::script() const {
-  JobScript script{name_, shards_, {command_, hashes_.front().name}, settings_};
+  JobScript script{name_, shards_, {command_, hashes_.front().name}, hashes_, settings_};
   script.command.insert(script.command.end(), arguments_.begin(), arguments_.end());
   return job_script(script);
 }

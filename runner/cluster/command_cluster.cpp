@@ -130,15 +130,16 @@ std::string state_of(const Campaign& campaign) {
 }
 
 void print_state(const Campaign& campaign) {
-  const std::string folder = shell_quoted(campaign.folder().string());
+  const auto named = [&](const char* file) { return shell_word((campaign.folder() / file).string()); };
+  const std::string folder = shell_word(campaign.folder().string());
   fmt::print("{}: {}\n", printable(campaign.folder().string()), state_of(campaign));
   if (campaign.finished().size() == static_cast<std::size_t>(campaign.shards())) {
-    fmt::print("  the result:             {}/{} combine\n", printable(folder), Campaign::kScript);
+    fmt::print("  the result:             {} combine\n", named(Campaign::kScript));
     return;
   }
-  fmt::print("  with Slurm, from here:  jnd cluster {} --submit --follow\n", printable(folder));
-  fmt::print("  by hand:                cd {} && sbatch {}\n", printable(folder), Campaign::kScript);
-  fmt::print("  without a scheduler:    {}/{}\n", printable(folder), Campaign::kLoop);
+  fmt::print("  with Slurm, from here:  jnd cluster {} --submit --follow\n", folder);
+  fmt::print("  by hand:                cd {} && sbatch {}\n", folder, Campaign::kScript);
+  fmt::print("  without a scheduler:    {}\n", named(Campaign::kLoop));
 }
 
 int submit_and_follow(const ClusterOptions& options, const Campaign& campaign) {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
-#include <fstream>
+#include <sstream>
 #include <thread>
 #include <utility>
 
@@ -13,6 +13,7 @@
 #include "data/files/descriptor.h"
 #include "data/files/draft.h"
 #include "protocols/input/number_from.h"
+#include "protocols/input/read_file.h"
 #include "runner/cluster/called_program.h"
 #include "runner/keys/interrupt.h"
 #include "runner/terminal/exit_code.h"
@@ -56,7 +57,8 @@ void Submissions::add(std::int64_t job, const std::set<int>& shards) const {
 
 std::vector<std::pair<std::int64_t, std::set<int>>> Submissions::all() const {
   std::vector<std::pair<std::int64_t, std::set<int>>> found;
-  std::ifstream lines(file_);
+  if (!std::filesystem::exists(file_)) return found;
+  std::istringstream lines(read_input_file(file_));
   for (std::string line; std::getline(lines, line);) {
     const std::size_t blank = line.find(' ');
     const auto job = number_from<std::int64_t>(std::string_view(line).substr(0, blank));

@@ -48,6 +48,12 @@ if [ ! -f campaign.json ]; then
   echo "job.sh: $PWD is not the folder of this campaign: cd into that one, then sbatch job.sh" >&2
   exit 2
 fi
+if ! sha256sum --check --status 2>/dev/null <<'HASHES'
+@HASHES@HASHES
+then
+  echo "job.sh: the protocol, or another file that was copied to $PWD, was changed since: put it back, or make a new campaign" >&2
+  exit 3
+fi
 mkdir -p shards logs
 )sh";
 
@@ -105,6 +111,13 @@ std::string filled_in(std::string_view text, std::string_view mark, std::string_
   return out;
 }
 
+// A line as sha256sum --check reads it.
+std::string hash_line(const CampaignFile& file) {
+  std::string name;
+  for (const char c : file.name) name += c == '\\' ? "\\\\" : c == '\n' ? "\\n" : c == '\r' ? "\\r" : std::string(1, c);
+  return fmt::format("{}{}  {}\n", name == file.name ? "" : "\\", file.bytes, name);
+}
+
 bool is_plain(std::string_view value) {
   return !value.empty() && std::all_of(value.begin(), value.end(), [](char c) {
     return std::isalnum(static_cast<unsigned char>(c)) != 0 || kPlainMarks.find(c) != std::string_view::npos;
@@ -125,13 +138,15 @@ std::string job_script(const JobScript& script) {
   out += sbatch_line("partition", settings.partition) + sbatch_line("time", settings.time) +
          sbatch_line("account", settings.account) + sbatch_line("mem", settings.memory);
   for (const std::string& option : settings.sbatch) out += fmt::format("#SBATCH {}\n", option);
-  out += fmt::format("\nprogram={}\n{}", shell_quoted(settings.program), kFolder);
+  std::string hashes;
+  for (const CampaignFile& file : script.hashes) hashes += hash_line(file);
+  out += fmt::format("\nprogram={}\n{}", shell_quoted(settings.program), filled_in(kFolder, "@HASHES@", hashes));
   if (!settings.setup.empty()) out += "\n";
   for (const std::string& line : settings.setup) out += line + "\n";
   std::string command;
   for (const std::string& argument : script.command) command += (command.empty() ? "" : " ") + shell_quoted(argument);
-  const std::string run = filled_in(filled_in(kRun, "@SHARDS@", shards), "@COMMAND@", command);
-  return out + filled_in(run, "@COMBINE@", script.command.front() == "simulate" ? kTablesPlace : "");
+  const std::string run = filled_in(kRun, "@COMBINE@", script.command.front() == "simulate" ? kTablesPlace : "");
+  return out + filled_in(filled_in(run, "@SHARDS@", shards), "@COMMAND@", command);  // last: it may hold marks
 }
 
 std::string loop_script(int shards) {

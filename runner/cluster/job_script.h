@@ -13,6 +13,7 @@ struct JobScript {
   std::string name;  // of the jobs
   int shards = 0;
   std::vector<std::string> command;  // of jnd: its name, the protocol, its other arguments
+  std::vector<CampaignFile> hashes;  // of what it reads; bytes: SHA-256 of them
   CampaignSettings settings;
 };
 

@@ -93,7 +93,7 @@ std::string rest_text(const std::vector<ResultTable>& tables, const std::string&
                     [&](const ResultTable& table) { return section_of(table) == one.section; }))
       options += fmt::format("{}, ", one.option);
   return paragraph(fmt::format("More: {}or --all", options)) +
-         fmt::format("As a page: jnd report {}\n", printable(study));
+         fmt::format("As a page: jnd report {}\n", shell_word(study));
 }
 
 std::string results_text(const StudyResults& results, const Protocol& protocol, const std::vector<ResultTable>& models,

@@ -34,7 +34,7 @@ int command_init(const InitOptions& options) {
       "  jnd plan {0} --participant P01\n"
       "  jnd run {0} --study rehearsal.sqlite --participant P01 --fast{2}\n"
       "  jnd simulate {0} --participants {1} --study simulated.sqlite --seed 1\n",
-      printable(name), *filled_in(point).participants, point.rig == kSpecimenRig ? " --kind pilot" : "");
+      shell_word(name), *filled_in(point).participants, point.rig == kSpecimenRig ? " --kind pilot" : "");
   return exit_code::kDone;
 }
 

@@ -118,7 +118,7 @@ int command_new(const NewOptions& options) {
     what = fmt::format("the task {} on the rig {}", options.task, point.rig);
   }
   write_new_protocol(file, bytes, what);
-  fmt::print("  edit it, then:  jnd check {}\n", printable(file.string()));
+  fmt::print("  edit it, then:  jnd check {}\n", shell_word(file.string()));
   return exit_code::kDone;
 }
 

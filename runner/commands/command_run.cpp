@@ -48,7 +48,7 @@ struct RunOptions {
   bool participant_presses = false;  // who presses the answer keys
   bool fast = false;
   bool plain = false;                             // a line at a time
-  std::string events;                             // where they are told to another program; empty: nowhere
+  std::optional<std::string> events;              // where they are told to another program
   bool quiet = false;                             // no bell for the operator
   bool large_text = false;                        // of the participant's pages
   bool bell = false;                              // cues ring the terminal's bell, and no sound is played
@@ -251,7 +251,7 @@ int command_run(const RunOptions& options) {
   const ChosenButtons chosen_buttons = person ? choose_buttons(options.buttons, chosen.file) : ChosenButtons{};
   ButtonBox* const buttons = chosen_buttons.box.get();
   const std::unique_ptr<EventFeed> events =
-      options.events.empty() ? nullptr : std::make_unique<EventFeed>(options.events);
+      options.events ? std::make_unique<EventFeed>(*options.events, options.study) : nullptr;
   const std::unique_ptr<SessionSound> sound = sound_of(options, protocol, chosen.file.sound);
 
   std::unique_ptr<Keyboard> keyboard;

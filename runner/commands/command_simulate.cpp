@@ -143,6 +143,7 @@ int command_simulate(const SimulateOptions& options) {
     return simulate_without_study(simulation, options.json);
   }
 
+  if (std::filesystem::exists(*options.study)) require_sound(*options.study);
   const std::unique_ptr<Study> study =
       open_or_create_study(*options.study, protocol, options.seed, {simulated_epoch_ns(1), 0});
   if (!study->sessions().empty() && plan_sealed(*study, protocol))
@@ -174,7 +175,7 @@ int command_simulate(const SimulateOptions& options) {
              counted(options.participants, "participant"),
              sessions == 1 ? "" : fmt::format(", {} sessions each", sessions), printable(profile.name), simulation.seed,
              trials, explores ? "explorations" : "trials", voided);
-  fmt::print("  next:  jnd analyze {}\n", printable(file));
+  fmt::print("  next:  jnd analyze {}\n", shell_word(file));
   return exit_code::kDone;
 }
 

@@ -1,5 +1,7 @@
 #include "runner/commands/new_protocol.h"
 
+#include <optional>
+
 #include <fmt/format.h>
 
 #include "data/files/draft.h"
@@ -10,17 +12,6 @@
 #include "runner/terminal/terminal.h"
 
 namespace jnd {
-
-namespace {
-
-// False where the file exists.
-bool write_new_file(const std::filesystem::path& path, const std::string& bytes) {
-  Draft draft(path, Draft::What::file, Draft::Access::everyone);
-  draft.write(bytes);
-  return draft.publish();
-}
-
-}  // namespace
 
 std::vector<TaskKind> every_task() {
   std::vector<TaskKind> tasks(all_tasks().begin(), all_tasks().end());
@@ -37,15 +28,22 @@ std::filesystem::path protocol_file(const std::string& name) {
 }
 
 void write_new_protocol(const std::filesystem::path& file, const std::string& bytes, const std::string& what) {
-  if (!write_new_file(file, bytes))
-    throw UsageError(fmt::format("{} exists already; choose another name", file.string()));
-  fmt::print("{} written, {}.\n", printable(file.string()), what);
-  // The protocol names its schema by a relative path, so that editors help with it; some name another one.
-  if (bytes.find("\"./protocol.schema.json\"") == std::string::npos) return;
+  Draft protocol(file, Draft::What::file, Draft::Access::everyone);
+  protocol.write(bytes);
+  // The protocol names its schema by a relative path, so that editors help with it; some name another one. Both are on
+  // the disk before either gets its name.
   const std::filesystem::path schema =
       find_resource(Resource::protocol, "tutorial").parent_path() / "protocol.schema.json";
-  if (std::filesystem::exists(schema) &&
-      write_new_file(file.parent_path() / schema.filename(), read_input_file(schema)))
+  const std::filesystem::path copy = file.parent_path() / schema.filename();
+  std::optional<Draft> help;
+  if (bytes.find("\"./protocol.schema.json\"") != std::string::npos && std::filesystem::exists(schema) &&
+      !std::filesystem::exists(std::filesystem::symlink_status(copy))) {
+    help.emplace(copy, Draft::What::file, Draft::Access::everyone);
+    help->write(read_input_file(schema));
+  }
+  if (!protocol.publish()) throw UsageError(fmt::format("{} exists already; choose another name", file.string()));
+  fmt::print("{} written, {}.\n", printable(file.string()), what);
+  if (help && help->publish())
     fmt::print("  protocol.schema.json is beside it: editors that know JSON Schema help while you type\n");
 }
 

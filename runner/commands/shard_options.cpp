@@ -12,12 +12,6 @@
 
 namespace jnd {
 
-namespace {
-
-constexpr int kMostShards = 100'000;
-
-}  // namespace
-
 void add_shard_options(const Command& command, ShardOptions& options, const std::string& studies) {
   const CommandOption to =
       command.add_option("--to", options.to, "write what `jnd combine` reads to this file, instead of the result");
@@ -37,7 +31,7 @@ ShardPlace place_of(const ShardOptions& options) {
     return error == std::errc() && rest == text.data() + end;
   };
   if (slash == std::string::npos || !number(0, slash, shard.number) || !number(slash + 1, text.size(), shard.of) ||
-      shard.number < 1 || shard.number > shard.of || shard.of > kMostShards)
+      shard.number < 1 || shard.number > shard.of || shard.of > kMostStudyShards)
     throw UsageError(fmt::format("--shard {}: K/N with K from 1 to N, such as 3/64", printable(text)));
   return shard;
 }

@@ -22,11 +22,6 @@ std::string copy_name(const std::string& study) {
 }
 
 // As a shell takes it.
-std::string quoted(const std::string& path) {
-  constexpr const char* kPlain = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-./,:@%+=";
-  return path.find_first_not_of(kPlain) == std::string::npos ? path : shell_quoted(path);
-}
-
 }  // namespace
 
 std::string not_as_asked_text(const Deliveries& deliveries) {
@@ -37,7 +32,7 @@ std::string not_as_asked_text(const Deliveries& deliveries) {
 }
 
 std::string summary_text(const SessionSummary& summary) {
-  const std::string study = printable(quoted(summary.study));
+  const std::string study = shell_word(summary.study);
   std::vector<std::pair<std::string, std::string>> rows = {
       {summary.free_interaction ? tr("objects") : tr("trials"),
        tr("{} of {}, {} voided", summary.trials_done, summary.trials_total, summary.trials_voided)},
@@ -54,7 +49,7 @@ std::string summary_text(const SessionSummary& summary) {
                                                 : tr("the same command goes on with it"));
   rows.emplace_back(summary.resumable ? "" : tr("next"), "jnd status " + study);
   rows.emplace_back("", "jnd verify " + study);
-  rows.emplace_back("", fmt::format("jnd backup {} --to {}", study, printable(quoted(copy_name(summary.study)))));
+  rows.emplace_back("", fmt::format("jnd backup {} --to {}", study, shell_word(copy_name(summary.study))));
   std::size_t width = 0;
   for (const auto& row : rows) width = std::max(width, display_width(row.first));
   std::string text;

@@ -120,7 +120,7 @@ int command_device_learn_buttons(const LearnButtonsOptions& options) {
   file.write(to_json(*mapping));
   if (!file.publish()) throw taken(options.file);
   fmt::print("{} written. Use it:  jnd run PROTOCOL --study STUDY --buttons {}\n", printable(options.file),
-             printable(options.file));
+             shell_word(options.file));
   if (info->usage_page == 0x01 && (info->usage == 0x06 || info->usage == 0x07))
     fmt::print(
         "This is a keyboard: its keys also type into the operator's console. Take keys that mean nothing there, such "

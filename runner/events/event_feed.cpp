@@ -15,6 +15,7 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include "data/files/descriptor.h"
 #include "devices/clock.h"
 #include "devices/machine/io_thread.h"
 #include "protocols/input/input_error.h"
@@ -33,14 +34,24 @@ InputError no_events(const std::string& where, const std::string& why) {
   return InputError(fmt::format("--events {}: {}", where, why));
 }
 
+// A file that holds something is added to, and the study's own files are left alone.
+void check_file(const std::string& where, int number, const struct stat& what, const std::filesystem::path& study) {
+  for (const char* const suffix : {"", "-wal", "-shm", "-journal", ".lock"})
+    if (is_at(study.string() + suffix, number, Links::followed))
+      throw no_events(where, "is a file of the study itself; give another one");
+  if ((fcntl(number, F_GETFL) & O_APPEND) == 0 && lseek(number, 0, SEEK_CUR) < what.st_size)
+    throw no_events(where, "is a file whose content would be written over; to add to it: --events 3 3>>FILE");
+}
+
 // Another way into the same pipe or terminal, which does not wait; whoever shares the descriptor is not changed. A socket
 // is told so with every line, and a file does not wait.
-OwnedFile opened_descriptor(const std::string& where, int number) {
+OwnedFile opened_descriptor(const std::string& where, int number, const std::filesystem::path& study) {
   struct stat what {};
   if (fstat(number, &what) != 0)
     throw no_events(where, "no file descriptor of that number is open (in a shell: --events 3 3>FILE)");
   if (number <= STDERR_FILENO) throw no_events(where, "is for the console; give a file descriptor from 3 on");
   if ((fcntl(number, F_GETFL) & O_ACCMODE) == O_RDONLY) throw no_events(where, "cannot be written to");
+  if (S_ISREG(what.st_mode)) check_file(where, number, what, study);
   const bool reopens = S_ISFIFO(what.st_mode) || S_ISCHR(what.st_mode);
   OwnedFile file(
       reopens ? open(fmt::format("/proc/self/fd/{}", number).c_str(), O_WRONLY | O_NONBLOCK | O_CLOEXEC | O_NOCTTY)
@@ -87,9 +98,9 @@ nlohmann::ordered_json members_of(const TrialOutline& outline) {
 
 }  // namespace
 
-EventFeed::EventFeed(const std::string& where) {
+EventFeed::EventFeed(const std::string& where, const std::filesystem::path& study) {
   int number = -1;
-  file_ = is_number(where, number) ? opened_descriptor(where, number) : connected_socket(where);
+  file_ = is_number(where, number) ? opened_descriptor(where, number, study) : connected_socket(where);
   struct stat what {};
   is_socket_ = fstat(file_.get(), &what) == 0 && S_ISSOCK(what.st_mode);
   thread_ = start_io_thread([this] { serve(); }, 0);

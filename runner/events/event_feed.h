@@ -8,6 +8,7 @@
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
+#include <filesystem>
 #include <mutex>
 #include <string>
 #include <string_view>
@@ -26,8 +27,9 @@ inline constexpr std::size_t kMostEventsQueued = 1024;
 class EventFeed final : public SessionListener {
  public:
   // where: the number of an open file descriptor above 2, or the path of a Unix socket (stream) on which the reader
-  // listens. Throws InputError where it is neither.
-  explicit EventFeed(const std::string& where);
+  // listens. Throws InputError where it is neither, or a file that would be written over. study: whose files are none
+  // of its places.
+  explicit EventFeed(const std::string& where, const std::filesystem::path& study = {});
   // Within half a second, whatever the reader does.
   ~EventFeed() override;
   EventFeed(const EventFeed&) = delete;

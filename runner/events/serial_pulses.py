@@ -11,6 +11,7 @@ import argparse
 import json
 import os
 import socket
+import stat
 import sys
 import termios
 import time
@@ -22,20 +23,29 @@ CODES = {("interval.began", 1): 1, ("interval.began", 2): 2, ("interval.ended", 
 SPEEDS = {9600: termios.B9600, 57600: termios.B57600, 115200: termios.B115200}
 
 
+def remove_socket(where):
+    """Takes away what a run before has left there, and never anything else."""
+    try:
+        if not stat.S_ISSOCK(os.lstat(where).st_mode):
+            sys.exit(f"{where}: is there already, and is no socket: give another name")
+        os.unlink(where)
+    except FileNotFoundError:
+        pass
+
+
 def lines_of(where):
     """The lines of one session, from its connection to a socket that is made here; "-": from standard input."""
     if where == "-":
         yield from sys.stdin
         return
-    if os.path.exists(where):
-        os.unlink(where)
+    remove_socket(where)
     with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as listening:
         listening.bind(where)
         os.chmod(where, 0o600)
         listening.listen(1)
         print(f"waits at {where}", flush=True)
         host, _ = listening.accept()
-        os.unlink(where)
+        remove_socket(where)
     with host, host.makefile("r", encoding="utf-8") as lines:
         yield from lines
 

@@ -15,7 +15,7 @@ constexpr const char* kOpening =
     "# The shipped names are those of that version.\n";
 
 // In single quotes of fish, where a backslash goes before a quote.
-std::string fish_quoted(const std::string& text) {
+std::string fish_quoted(std::string_view text) {
   std::string out = "'";
   for (const char c : text) {
     if (c == '\'' || c == '\\') out += '\\';
@@ -49,9 +49,14 @@ std::string command_words(const CommandPage& page) {
   return words;
 }
 
+std::string quoted(const std::vector<std::string>& words, std::string (*quote)(std::string_view)) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : " ") + quote(word);
+  return text;
+}
+
 std::string bash_call(const CompletedValue& value) {
-  return fmt::format("_jnd_offer {} {}", shell_quoted(fmt::format("{}", fmt::join(value.words, " "))),
-                     shell_quoted(value.files));
+  return fmt::format("_jnd_offer {} {}", shell_quoted(value.files), quoted(value.words, shell_quoted));
 }
 
 // A case of the command and the word before: what the option takes.
@@ -65,16 +70,22 @@ std::string value_cases(const CommandPage& program, std::string (*call)(const Co
   return out;
 }
 
-constexpr const char* kBash = R"(_jnd_offer() { # WORDS FILES
-    local word
-    COMPREPLY=($(compgen -W "$1" -- "$current"))
-    [[ -n $2 ]] || return
+constexpr const char* kBash = R"(_jnd_offer() { # FILES WORDS...
+    local word files=$1
+    shift
+    for word; do
+        [[ $word == "$current"* ]] || continue
+        # The shell quotes what it takes for names of files.
+        [[ -n $files ]] || printf -v word %q "$word"
+        COMPREPLY+=("$word")
+    done
+    [[ -n $files ]] || return
     compopt -o filenames 2>/dev/null
     while IFS= read -r word; do COMPREPLY+=("$word"); done < <(compgen -d -- "$current")
-    [[ $2 == / ]] && return
+    [[ $files == / ]] && return
     while IFS= read -r word; do
         [[ -d $word ]] || COMPREPLY+=("$word")
-    done < <(compgen -f -X "!$2" -- "$current")
+    done < <(compgen -f -X "!$files" -- "$current")
 }
 
 _jnd() {
@@ -87,12 +98,12 @@ _jnd() {
         case "$command ${COMP_WORDS[i]}" in
 )";
 
-constexpr const char* kZshOffer = R"(_jnd_offer() { # WORDS FILES
-    [[ -n $1 ]] && compadd -- ${=1}
-    case $2 in
+constexpr const char* kZshOffer = R"(_jnd_offer() { # FILES WORDS...
+    (( $# > 1 )) && compadd -- "${@[2,-1]}"
+    case $1 in
         '') ;;
         /) _files -/ ;;
-        *) _files -g $2 ;;
+        *) _files -g $1 ;;
     esac
 }
 
@@ -124,7 +135,7 @@ std::string zsh_commands(const CommandPage& page) {
 std::string fish_value(const OptionPage& option) {
   if (option.value.empty()) return "";
   const CompletedValue value = completed_value(option);
-  std::string offered = fmt::format("{}", fmt::join(value.words, " "));
+  std::string offered = quoted(value.words, fish_quoted);  // fish splits and expands it once more
   if (value.files == "*") return fmt::format(" -r -F{}", offered.empty() ? "" : " -a " + fish_quoted(offered));
   if (value.files == "/") offered += " (__fish_complete_directories)";
   if (value.files.starts_with("*.")) offered += fmt::format(" (__fish_complete_suffix {})", value.files.substr(1));
@@ -139,7 +150,7 @@ std::string fish_arguments(const CommandPage& page) {
   const CompletedValue value = completed_arguments(page);
   std::string out;
   if (!value.words.empty())
-    out += fmt::format("{} -a {}\n", fish_condition(page), fish_quoted(fmt::format("{}", fmt::join(value.words, " "))));
+    out += fmt::format("{} -a {}\n", fish_condition(page), fish_quoted(quoted(value.words, fish_quoted)));
   if (value.files == "*") out += fish_condition(page) + " -F\n";
   if (value.files == "/") out += fish_condition(page) + " -a '(__fish_complete_directories)'\n";
   if (value.files.starts_with("*."))
@@ -157,11 +168,10 @@ std::string bash_completions(const CommandPage& program) {
   out += "    case \"$command\" in\n";
   for (const CommandPage* page : all_pages(program)) {
     if (is_passed_over(*page)) continue;
-    const std::string rest = page->commands.empty()
-                                 ? bash_call(completed_arguments(*page))
-                                 : fmt::format("_jnd_offer {} ''", shell_quoted(command_words(*page)));
-    out += fmt::format("        {})\n            if [[ $current == -* ]]; then _jnd_offer {} ''; else {}; fi ;;\n",
-                       shell_quoted(page->name), shell_quoted(option_words(*page)), rest);
+    const std::string rest = page->commands.empty() ? bash_call(completed_arguments(*page))
+                                                    : fmt::format("_jnd_offer '' {}", command_words(*page));
+    out += fmt::format("        {})\n            if [[ $current == -* ]]; then _jnd_offer '' {}; else {}; fi ;;\n",
+                       shell_quoted(page->name), option_words(*page), rest);
   }
   return out + "    esac\n}\n\ncomplete -F _jnd jnd\n";
 }

@@ -48,13 +48,20 @@ std::string unknown_command(const CLI::App& parent, const std::string& word) {
 }
 
 std::string unknown_option(const CLI::App& command, const std::string& name) {
-  const std::string near = did_you_mean(name, option_names(command));
+  const std::string near = name.find('.') == std::string::npos ? did_you_mean(name, option_names(command))
+                                                               : fmt::format("; a file of that name is ./{}", name);
   if (command.get_parent() == nullptr) return fmt::format("there is no option {} before the command{}", name, near);
   return fmt::format("{} has no option {}{}", without_program(command), name, near);
 }
 
 bool is_long_option(const std::string& argument) {
   return argument.starts_with("--") && argument.size() > 2;
+}
+
+// "-x", and no number.
+bool is_short_option(const std::string& argument) {
+  return argument.size() > 1 && argument[0] == '-' && argument[1] != '-' && argument[1] != '.' &&
+         std::isdigit(static_cast<unsigned char>(argument[1])) == 0;
 }
 
 // How many of the arguments that follow are values of the option, as the parser takes them.
@@ -69,7 +76,7 @@ NamedCommand named_command(const CLI::App& program, const std::vector<std::strin
   NamedCommand named{&program, ""};
   for (std::size_t i = 0; i < arguments.size() && arguments[i] != "--"; ++i) {
     const std::string& argument = arguments[i];
-    if (is_long_option(argument)) {
+    if (is_long_option(argument) || is_short_option(argument)) {
       const std::string name = argument.substr(0, argument.find('='));
       const CLI::Option* const option = named.command->get_option_no_throw(name);
       if (option == nullptr) {

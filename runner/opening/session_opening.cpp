@@ -4,7 +4,6 @@
 #include <cctype>
 #include <vector>
 
-#include <boost/algorithm/string/predicate.hpp>
 #include <boost/uuid/random_generator.hpp>
 #include <boost/uuid/uuid_io.hpp>
 #include <fmt/format.h>
@@ -13,6 +12,7 @@
 #include "data/log/event_body.h"
 #include "data/log/replay.h"
 #include "data/study/study_admin.h"
+#include "protocols/input/look_alikes.h"
 #include "protocols/planning/allotment.h"
 #include "runner/session/simulate.h"
 #include "runner/terminal/exit_code.h"
@@ -32,14 +32,14 @@ void refuse_excluded(const std::vector<SessionInfo>& sessions, const SessionRequ
 }
 
 // On many disks the folders of their results would be one, and who reads a list takes them for one person.
-void refuse_other_capitals(const std::vector<SessionInfo>& sessions, const SessionRequest& request) {
+void refuse_look_alikes(const std::vector<SessionInfo>& sessions, const SessionRequest& request) {
   const auto begun = [&](const SessionInfo& one) { return one.participant == request.participant; };
   if (std::any_of(sessions.begin(), sessions.end(), begun)) return;
   for (const SessionInfo& session : sessions)
-    if (boost::iequals(session.participant, request.participant))
+    if (look_of(session.participant) == look_of(request.participant))
       throw UsageError(fmt::format(
-          "participant {}: the study has a participant {}, and codes that differ in capitals only are mistaken for "
-          "each other. For the same person: --participant {}; a newcomer needs another code",
+          "participant {}: the study has a participant {}, and codes that differ in capitals or zeros only are mistaken "
+          "for each other. For the same person: --participant {}; a newcomer needs another code",
           request.participant, session.participant, session.participant));
 }
 
@@ -116,7 +116,7 @@ void check_group(const Protocol& protocol, const std::string& group, bool newcom
 SessionTarget choose_session(const Study& study, const Protocol& protocol, const SessionRequest& request) {
   const std::vector<SessionInfo> sessions = study.sessions();
   refuse_excluded(sessions, request);
-  refuse_other_capitals(sessions, request);
+  refuse_look_alikes(sessions, request);
   SessionTarget target;
   std::string last_ended;
   int finished = 0;

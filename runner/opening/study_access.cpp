@@ -9,12 +9,14 @@
 #include "data/log/event_body.h"
 #include "data/results/study_analysis.h"
 #include "data/study/blinding.h"
+#include "data/verify/verify.h"
 #include "devices/contact/object_json.h"
 #include "protocols/input/resources.h"
 #include "protocols/reading/protocol_difference.h"
 #include "protocols/reading/protocol_json.h"
 #include "runner/opening/protocol_fitness.h"
 #include "runner/terminal/exit_code.h"
+#include "runner/terminal/number_text.h"
 #include "runner/terminal/terminal.h"
 
 namespace jnd {
@@ -66,6 +68,15 @@ void accept_or_refuse(Study& study, const std::filesystem::path& path, const Pro
 }
 
 }  // namespace
+
+void require_sound(const std::filesystem::path& study) {
+  const std::size_t problems = verify(*Study::open(study, Study::Access::read_only)).problems.size();
+  if (problems > 0)
+    throw BrokenChain(fmt::format(
+        "{}: jnd verify finds {} in it, so nothing is written into it. Go on with a backup, or with what jnd "
+        "recover makes of this file",
+        study.string(), counted(static_cast<std::int64_t>(problems), "problem")));
+}
 
 std::unique_ptr<Study> open_or_create_study(const std::filesystem::path& path, const Protocol& protocol,
                                             std::optional<std::uint64_t> seed, Stamp stamp) {

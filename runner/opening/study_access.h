@@ -20,6 +20,9 @@ Protocol load_checked_protocol(const std::string& name_or_path);
 RigSpec rig_spec_of(const Protocol& protocol);
 RigDescription rig_of(const Protocol& protocol);
 
+// For commands that add to a study. Throws BrokenChain where verify() (data/verify/verify.h) finds a problem in it; the
+// file stays as it is.
+void require_sound(const std::filesystem::path& study);
 // Opens the study, or makes it where there is none: with the given seed, or a drawn one.
 // Throws UsageError where the study has another seed than the one asked for, InputError where it has another protocol,
 // StorageError where a session of it went on in a rescued copy.

@@ -18,10 +18,8 @@ std::unique_ptr<Console> make_console(const ConsoleOptions& options, const Proto
   std::unique_ptr<Display> display;
   const bool terminal = keyboard != nullptr && keyboard->is_terminal();
   if (terminal && is_terminal(STDOUT_FILENO) && !options.plain) display = make_screen_display();
-  if (!display) {
-    outlive_readers();  // after the keyboard, which takes such a signal for a crash
-    display = std::make_unique<LineDisplay>(terminal);
-  }
+  if (!display) display = std::make_unique<LineDisplay>(terminal);
+  outlive_readers();  // after the keyboard, which takes such a signal for a crash
   return std::make_unique<SessionConsole>(options, protocol, keyboard, clock, interrupts, std::move(display));
 }
 

@@ -1,5 +1,7 @@
 #include "runner/shards/replicated_studies.h"
 
+#include <algorithm>
+#include <limits>
 #include <utility>
 
 #include <fmt/format.h>
@@ -53,8 +55,7 @@ void add_tables(ordered_json& tables, const ordered_json& more) {
 }
 
 DictionaryRow dictionary_row(const std::string& file, const ordered_json& column) {
-  const int type = column.at(4).get<int>();
-  if (type < 0 || type > static_cast<int>(CellType::time)) throw InputError("a type of cells that is not known");
+  const std::int64_t type = whole_number(column.at(4), 0, static_cast<std::int64_t>(CellType::time));
   return {file,
           column.at(0).get<std::string>(),
           column.at(1).get<std::string>(),
@@ -62,6 +63,52 @@ DictionaryRow dictionary_row(const std::string& file, const ordered_json& column
           column.at(3).get<std::string>(),
           static_cast<CellType>(type),
           column.at(5).get<bool>()};
+}
+
+// A cell as it stands in a line, which no spreadsheet runs and no terminal obeys.
+bool is_safe_cell(std::string_view written) {
+  std::string cell(written);
+  if (written.starts_with('"')) {
+    cell.clear();
+    for (std::size_t i = 1; i + 1 < written.size(); ++i) {
+      cell += written[i];
+      if (written[i] == '"') ++i;  // it stands twice
+    }
+  }
+  const auto is_control = [](char c) { return static_cast<unsigned char>(c) < ' ' || c == '\x7f'; };
+  return csv_cell(cell) == written && (cell == "-Inf" || csv_text(cell) == cell) &&
+         std::none_of(cell.begin(), cell.end(), is_control);
+}
+
+// Whether a text is lines as csv_line() writes them, of so many cells each.
+bool is_safe_csv(std::string_view text, std::size_t cells) {
+  std::size_t begin = 0, seen = 0;
+  bool quoted = false;
+  for (std::size_t at = 0; at < text.size(); ++at) {
+    if (text[at] == '"') quoted = !quoted;
+    if (quoted || (text[at] != ',' && text[at] != '\n')) continue;
+    if (!is_safe_cell(text.substr(begin, at - begin))) return false;
+    begin = at + 1;
+    ++seen;
+    if (text[at] == '\n' && std::exchange(seen, 0) != cells) return false;
+  }
+  return begin == text.size() && seen == 0;
+}
+
+// Throws InputError unless the table is as to_json() makes it: a name that stays in the folder and leaves it those of
+// its descriptions, and cells that no spreadsheet runs.
+void require_own(const ordered_json& table) {
+  const std::string_view name = table.at("file").get_ref<const std::string&>();
+  const std::string_view stem = name.substr(0, name.find('.'));
+  if (stem.empty() || stem == "dictionary" || name.substr(stem.size()) != ".csv" ||
+      stem.find_first_not_of("abcdefghijklmnopqrstuvwxyz_") != std::string_view::npos)
+    throw InputError("a table of a name that jnd does not give");
+  std::vector<std::string> names;
+  for (const ordered_json& column : table.at("columns")) names.push_back(column.at(0).get<std::string>());
+  const auto header = csv_line(names);
+  if (table.at("header") != header || !is_safe_csv(header, names.size()) ||
+      !is_safe_csv(table.at("rows").get_ref<const std::string&>(), names.size()))
+    throw InputError(fmt::format("a table {} that is not as jnd writes it", name));
 }
 
 }  // namespace
@@ -110,7 +157,12 @@ ShardWork replication_work(const ReplicationQuestion& question, int threads) {
 
 void ReplicationFolder::add(const StudyShard& shard) {
   try {
-    for (const ordered_json& table : shard.result) {
+    protocol_ = shard.protocol;
+    studies_ = shard.studies();
+    participants_ = whole_number(shard.question.at("participants"), 1, std::numeric_limits<int>::max());
+    profile_ = shard.question.at("profile").get<std::string>();
+    for (const ordered_json& table : shard.result.get_ref<const ordered_json::array_t&>()) {
+      require_own(table);
       const auto name = table.at("file").get<std::string>(), header = table.at("header").get<std::string>();
       const auto [known, is_new] = headers_.emplace(name, header);
       if (known->second != header) throw InputError("other columns than those of the first");
@@ -127,22 +179,17 @@ void ReplicationFolder::add(const StudyShard& shard) {
   } catch (const InputError& error) {
     throw InputError(fmt::format("shard {} of {}: has {} (make it again)", shard.number, shard.of, error.what()));
   }
-  protocol_ = shard.protocol;
-  question_ = shard.question;
 }
 
 std::string ReplicationFolder::publish() {
-  const auto studies = question_.at("studies").get<std::int64_t>();
-  const int participants = question_.at("participants").get<int>();
-  write_descriptions(files_, protocol_, fmt::format("results of {} simulated studies", studies),
+  write_descriptions(files_, protocol_, fmt::format("results of {} simulated studies", studies_),
                      std::move(dictionary_));
   files_.publish();
   return fmt::format(
       "{}: {} {} of {}, profile {}: {}\n  one of them again, whole:  jnd simulate {} --participants {} --seed SEED --study "
       "FILE, with the seed of its rows\n",
-      printable(folder_.string()), studies, studies == 1 ? "study" : "studies", counted(participants, "participant"),
-      printable(question_.at("profile").get<std::string>()), fmt::join(names_, ", "), printable(protocol_.name),
-      participants);
+      printable(folder_.string()), studies_, studies_ == 1 ? "study" : "studies", counted(participants_, "participant"),
+      printable(profile_), fmt::join(names_, ", "), shell_word(protocol_.name), participants_);
 }
 
 }  // namespace jnd

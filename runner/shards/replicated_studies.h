@@ -52,8 +52,9 @@ class ReplicationFolder {
  private:
   std::filesystem::path folder_;
   ExportFolder files_;
-  Protocol protocol_;  // of the last shard, as its question is: of all
-  nlohmann::ordered_json question_;
+  Protocol protocol_;                            // of the last shard: of all
+  std::int64_t studies_ = 0, participants_ = 0;  // as its question has them
+  std::string profile_;
   std::vector<std::string> names_;
   std::map<std::string, std::string> headers_;  // by name
   std::vector<DictionaryRow> dictionary_;

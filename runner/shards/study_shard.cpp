@@ -2,9 +2,8 @@
 
 #include <algorithm>
 #include <chrono>
-#include <fstream>
+#include <limits>
 #include <optional>
-#include <sstream>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -15,6 +14,7 @@
 #include "data/files/draft.h"
 #include "protocols/input/input_error.h"
 #include "protocols/input/json_text.h"
+#include "protocols/input/read_file.h"
 #include "protocols/input/sha256.h"
 #include "protocols/reading/protocol_json.h"
 #include "protocols/version.h"
@@ -27,6 +27,7 @@ namespace {
 using nlohmann::ordered_json;
 
 constexpr std::string_view kFormat = "jnd shard 2";
+constexpr std::size_t kMostBytes = std::size_t{1} << 30U;  // of a file: the tables of thousands of studies
 
 constexpr auto kShardKindWords =
     words<ShardKind>({{"jnd plan --power", ShardKind::power}, {"jnd simulate --studies", ShardKind::simulate}});
@@ -84,8 +85,7 @@ std::vector<std::filesystem::path> in_order(std::span<const std::filesystem::pat
     if (first)
       if (const std::string other = difference(*first, shard); !other.empty())
         throw InputError(fmt::format("{}: is {} (combine the shards of the same studies)", name_of(file), other));
-    if (shard.number < 1 || shard.number > shard.of || shard.range.first != shard.whole_range().first ||
-        shard.range.last != shard.whole_range().last)
+    if (shard.range.first != shard.whole_range().first || shard.range.last != shard.whole_range().last)
       throw InputError(fmt::format("{}: is not a finished shard (run the command that makes it again)", name_of(file)));
     ordered.resize(static_cast<std::size_t>(shard.of));
     std::filesystem::path& place = ordered[static_cast<std::size_t>(shard.number - 1)];
@@ -145,18 +145,19 @@ std::string shard_text(const StudyShard& shard) {
   return json.dump(1) + "\n";
 }
 
+std::int64_t whole_number(const ordered_json& value, std::int64_t least, std::int64_t most) {
+  const std::int64_t number = value.is_number_integer() ? value.get<std::int64_t>() : -1;  // negative if it is larger
+  if (number < least || number > most) throw ordered_json::out_of_range::create(406, "not such a number", nullptr);
+  return number;
+}
+
 StudyShard read_shard(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream)
-    throw InputError(fmt::format("{}: cannot be read (give the files that --to has written)", name_of(file)));
-  std::ostringstream text;
-  text << stream.rdbuf();
   const auto no_shard = [&] {
     return InputError(
         fmt::format("{}: is not a shard of simulated studies (give the files that --to has written)", name_of(file)));
   };
   try {
-    ordered_json json = json_from(text.str());
+    ordered_json json = json_from(read_input_file(file, kMostBytes));
     if (json.at("format") != kFormat) throw no_shard();
     const auto hash = json.at("sha256").get<std::string>();
     json.erase("sha256");
@@ -167,14 +168,13 @@ StudyShard read_shard(const std::filesystem::path& file) {
     if (!kind) throw no_shard();
     shard.kind = *kind;
     json.at("program").get_to(shard.program);
-    json.at("shard").get_to(shard.number);
-    json.at("shards").get_to(shard.of);
-    json.at("first").get_to(shard.range.first);
-    json.at("last").get_to(shard.range.last);
+    shard.of = static_cast<int>(whole_number(json.at("shards"), 1, kMostStudyShards));
+    shard.number = static_cast<int>(whole_number(json.at("shard"), 1, shard.of));
     shard.protocol =
         parse_protocol(json.at("protocol_bytes").get<std::string>(), json.at("protocol").get<std::string>() + ".json");
     shard.question = std::move(json.at("question"));
-    if (shard.studies() < 1 || shard.of < 1) throw no_shard();
+    const std::int64_t studies = whole_number(shard.question.at("studies"), 1, std::numeric_limits<int>::max());
+    shard.range = {whole_number(json.at("first"), 0, studies), whole_number(json.at("last"), 0, studies)};
     shard.result = std::move(json.at("result"));
     return shard;
   } catch (const nlohmann::json::exception&) {

@@ -15,6 +15,8 @@
 
 namespace jnd {
 
+inline constexpr int kMostStudyShards = 100'000;
+
 // Which studies: first to last - 1, of 0 to the number of all less 1.
 struct StudyRange {
   std::int64_t first = 0, last = 0;
@@ -45,7 +47,10 @@ struct StudyShard {
 StudyShard empty_shard(ShardKind kind, const Protocol& protocol, nlohmann::ordered_json question, int number, int of);
 
 std::string shard_text(const StudyShard& shard);
-// Throws InputError: it is no shard, or not as it was written.
+// A member of a shard. Throws nlohmann::json::exception unless it is a whole number from least, which is 0 or
+// more, to most.
+std::int64_t whole_number(const nlohmann::ordered_json& value, std::int64_t least, std::int64_t most);
+// Throws InputError: it cannot be read, is no shard, or not as it was written.
 StudyShard read_shard(const std::filesystem::path& file);
 
 // How the studies of a kind are made and put together.

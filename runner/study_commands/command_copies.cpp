@@ -70,7 +70,7 @@ std::vector<std::string> problems_of(const RecoveryReport& report, const std::st
     write_marked_message(fmt::format(
         "interrupted when {} was already written: it stays, and this is its report; jnd verify {} says all of its "
         "problems",
-        to, to));
+        to, shell_word(to)));
     return sealed_problems(report.verified.problems);
   }
 }

@@ -73,6 +73,7 @@ NoteOptions with_study_of_variable(NoteOptions options) {
 int command_note(const NoteOptions& given) {
   const NoteOptions options = with_study_of_variable(given);
   const HoldInterrupts hold;
+  require_sound(options.study);
   const std::unique_ptr<Study> study = Study::open(options.study, Study::Access::read_write);
   std::optional<std::string> participant = options.participant;
   if (participant) participant = participant_meant(*participant, study->sessions());
@@ -88,6 +89,7 @@ int command_note(const NoteOptions& given) {
 
 int command_exclude(const ExcludeOptions& asked) {
   const HoldInterrupts hold;
+  require_sound(asked.study);
   const std::unique_ptr<Study> study = Study::open(asked.study, Study::Access::read_write);
   ExcludeOptions options = asked;
   options.participant = participant_meant(asked.participant, study->sessions());
@@ -123,6 +125,7 @@ int command_exclude(const ExcludeOptions& asked) {
 
 int command_unblind(const UnblindOptions& options) {
   const HoldInterrupts hold;
+  require_sound(options.study);
   const std::unique_ptr<Study> study = Study::open(options.study, Study::Access::read_write);
   if (!is_unblinded(*study) && !blinding_of(*study, protocol_of(*study), SessionKind::real).blinded)
     throw UsageError(fmt::format("{}: nothing in this study is blinded: its results are shown as they are",

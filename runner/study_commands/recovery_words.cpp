@@ -115,7 +115,7 @@ std::vector<std::string> names_where(const RecoveryReport& report, Asked asked) 
 }
 
 std::vector<std::string> next_steps(const RecoveryFiles& files, const RecoveryReport& report) {
-  const std::string to = shell_quoted(files.to);
+  const std::string to = shell_word(files.to);
   if (report.whole())
     return {fmt::format("Go on with {}, and keep {} until the new study has a backup.", files.to, files.damaged)};
   std::vector<std::string> steps = {fmt::format("Keep {}{}.", files.damaged,

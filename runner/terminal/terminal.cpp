@@ -58,6 +58,18 @@ std::string shell_quoted(std::string_view text) {
   return out + "'";
 }
 
+std::string shell_word(std::string_view name) {
+  constexpr std::string_view kPlain = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-./,:@%+";
+  const std::string word = (name.starts_with('-') ? "./" : "") + std::string(name);
+  if (!word.empty() && word.find_first_not_of(kPlain) == std::string::npos) return word;
+  if (printable(word) == word) return shell_quoted(word);
+  std::string escaped = "$'";  // of bash and zsh
+  for (const char c : word)
+    escaped += kPlain.find(c) != std::string_view::npos ? std::string(1, c)
+                                                        : fmt::format("\\x{:02x}", static_cast<unsigned char>(c));
+  return escaped + "'";
+}
+
 std::string duration_text(double seconds) {
   const long whole = std::lround(std::max(0.0, seconds));
   if (whole < 90) return fmt::format("{} s", whole);

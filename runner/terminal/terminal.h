@@ -37,6 +37,9 @@ std::vector<std::string> wrapped_words(const std::string& text, std::size_t colu
 
 // In single quotes, as a shell of the Bourne family takes it.
 std::string shell_quoted(std::string_view text);
+// The name of a file in a command that is printed to be copied: one word of a shell, safe for a terminal and no option,
+// in quotes where it needs them.
+std::string shell_word(std::string_view name);
 
 // Minutes and seconds as a person says them: "35 s", "24 min", "1 h 05 min".
 std::string duration_text(double seconds);

@@ -6,6 +6,7 @@
 
 #include <fcntl.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
@@ -193,6 +194,20 @@ TEST_CASE("a folder is flushed before it gets its name", "[data]") {
   CHECK(draft.publish());
   CHECK(flushes == 1);
   CHECK(bytes_of(folder / "out" / "sub" / "a.csv") == "x");
+}
+
+TEST_CASE("folders within a folder are its owner's alone, whatever the umask", "[data]") {
+  const TemporaryFolder folder;
+  for (const mode_t mask : {0, 0277}) {
+    const fs::path out = folder / std::to_string(mask);
+    const mode_t before = ::umask(mask);
+    Draft draft(out, Draft::What::folder);
+    draft.write_within("a/b/c.csv", "x");
+    CHECK(draft.publish());
+    ::umask(before);
+    for (const fs::path& path : {out, out / "a", out / "a" / "b"})
+      CHECK(fs::status(path).permissions() == fs::perms::owner_all);
+  }
 }
 
 TEST_CASE("only names with the random letters of a draft are cleared away", "[data]") {

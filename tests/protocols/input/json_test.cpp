@@ -5,6 +5,7 @@
 #include "protocols/input/json_document.h"
 #include "protocols/input/json_reader.h"
 #include "protocols/input/json_syntax.h"
+#include "protocols/input/json_text.h"
 #include "protocols/input/sha256.h"
 #include "protocols/input/utf8.h"
 #include "tests/catch.h"
@@ -24,7 +25,7 @@ TEST_CASE("every value and key knows its place") {
   CHECK(list.items[0].path == "$.a[0]");
   CHECK(list.items[1].number == -2500);
   CHECK(list.items[1].text == "-2.5e3");
-  CHECK_FALSE(list.items[1].integer);
+  CHECK(list.items[1].integer);  // -2500, as JSON Schema has it
   CHECK(std::pair(list.items[1].line, list.items[1].column) == std::pair(2, 12));
   CHECK(std::pair(list.items[2].line, list.items[2].column) == std::pair(2, 21));
   CHECK(root.key_places[1] == std::pair(3, 3));
@@ -38,6 +39,18 @@ TEST_CASE("every value and key knows its place") {
   CHECK(root.find("zzz") == nullptr);
 }
 
+TEST_CASE("a whole number may be written with a fraction of 0 or an exponent") {
+  std::vector<Diagnostic> diagnostics;
+  const JsonNode root = parse_json(R"({"a": 16.0, "b": 1e3, "c": 16.5, "d": 1e300})", "f");
+  JsonReader reader(root, diagnostics, "f");
+  CHECK(reader.integer("a") == 16);
+  CHECK(reader.integer("b") == 1000);
+  CHECK(diagnostics.empty());
+  CHECK(reader.integer("c") == 0);
+  CHECK(reader.integer("d") == 0);
+  CHECK(diagnostics.size() == 2);
+}
+
 TEST_CASE("a number with more behind it is named whole, also where the text ends with it") {
   for (const std::string end : {"", "}", ", \"b\": 1}"}) {
     CAPTURE(end);
@@ -45,6 +58,14 @@ TEST_CASE("a number with more behind it is named whole, also where the text ends
                       Catch::Contains("f:1:7: \"00e\" is not a number that JSON knows"));
     CHECK_THROWS_WITH(parse_json("{\"a\": 1.e" + end, "f"), Catch::Contains("\"1.e\" is not a number that JSON knows"));
   }
+}
+
+TEST_CASE("a text of ours is read to a depth that the stack has room for") {
+  const auto nested = [](std::size_t depth) { return std::string(depth, '[') + std::string(depth, ']'); };
+  CHECK(json_from(nested(kMostJsonDepth)).is_array());
+  CHECK(json_from(R"({"[[\"": ")" + nested(500'000) + R"(\\"})").is_object());  // brackets in a string
+  CHECK_THROWS_AS(json_from(nested(kMostJsonDepth + 1)), nlohmann::json::parse_error);
+  CHECK(json_if_valid(nested(500'000)).is_discarded());
 }
 
 TEST_CASE("the commonest slips are named, with what to write") {
@@ -145,7 +166,7 @@ TEST_CASE("the reader collects mistakes and goes on") {
   for (const Diagnostic& diagnostic : diagnostics) messages.push_back(to_text(diagnostic));
   REQUIRE(messages.size() == 7);
   CHECK(messages[0] == "f.json:1:11: $.sigma: must be a number in N/m, not the text \"3\" (write it without quotes)");
-  CHECK(messages[1] == "f.json:1:25: $.count: must be a whole number, not 2.5 (write it without fraction or exponent)");
+  CHECK(messages[1] == "f.json:1:25: $.count: must be a whole number, not 2.5 (write it without a fraction)");
   CHECK(messages[2] ==
         "f.json:1:38: $.mode: \"slwo\" is not known (did you mean \"slow\"? known: \"slow\" or \"fast\")");
   CHECK(messages[3] == "f.json:1:86: $.list: has 1 element (must have 2 to 3)");

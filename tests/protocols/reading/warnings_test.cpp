@@ -1,6 +1,8 @@
 // What `check` warns about, and how long a session takes.
 #include <algorithm>
 
+#include <fmt/format.h>
+
 #include "protocols/course/duration.h"
 #include "protocols/planning/planned_precision.h"
 #include "protocols/reading/protocol_json.h"
@@ -25,6 +27,20 @@ int warnings_with(const std::string& bytes, const std::string& path, const std::
 }
 
 }  // namespace
+
+TEST_CASE("keys that Caps Lock turns into each other are told") {
+  const auto told = [](const std::string& same, const std::string& different) {
+    const std::string bytes = replaced(base(), R"("keys": {"same": "s", "different": "d"})",
+                                       fmt::format(R"("keys": {{"same": "{}", "different": "{}"}})", same, different));
+    return warnings_with(bytes, "$.trial.keys.same", "Caps Lock") +
+           warnings_with(bytes, "$.trial.keys.different", "Caps Lock");
+  };
+  CHECK(told("s", "d") == 0);
+  CHECK(told("s", "D") == 0);
+  CHECK(told("D", "d") == 1);
+  CHECK(told("P", "Q") == 2);  // p pauses, q ends the session
+  CHECK(told("1", "2") == 0);
+}
 
 TEST_CASE("few trials per class are told until there are ten") {
   CHECK(warnings_with(base(), "$.design.trials_per_cell", "8 trials per cell give about 4") == 1);

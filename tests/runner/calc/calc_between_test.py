@@ -33,6 +33,8 @@ class CalcBetween(program.Case):
         # Of two groups of one size F is the square of t.
         self.assertAlmostEqual(found["anova"]["group"]["f"], pair["welch"]["t"] ** 2, delta=1e-12)
         self.assertNotIn("condition", found["anova"])
+        self.assertEqual(self.json_of([line.replace(",d,", ",").replace(",condition", "") for line in lines]) | {"conditions": ["d"]}, found)
+        self.assertIn('there is no column "condition"', self.calc(["participant,value", "P1,3"], code=3).stderr)
 
     def test_groups_with_conditions(self):
         found = self.json_of(MIXED)

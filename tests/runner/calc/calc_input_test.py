@@ -42,9 +42,19 @@ class CalcInput(program.Case):
             "blanks around quotes": TABLE.replace("P1,S,3.5", '"P1" ,"S"\u00a0, "3.5" ').replace("P2,V", '\t"P2",  "V"').encode(),
             "blanks around quotes between tabs": TABLE.replace(",", "\t").replace("P1\tS\t3.5", '"P1" \t "S"\t "3.5"').encode(),
             "cleared rows": (TABLE + ",,\n\n").encode(),
+            "lines of blanks": ("  \n" + TABLE.replace("P2,S", " \u00a0\r\nP2,S") + "\t\n  ").encode(),
+            "a quoted line sep=": ('"sep=;"\r\n' + semicolons).encode(),
         }.items():
             with self.subTest(name):
                 self.assertEqual(self.compared(data), plain)
+
+    def test_codes_that_look_alike_are_told(self):
+        said = calc("compare", TABLE.replace("P2", "P01").replace("P3", "p1").encode()).stderr.decode()
+        self.assertIn('"P01" and "P1", "P01" and "p1" look alike', said)
+        two = TABLE.replace("P1", "Jos\u00e9").replace("P2", "Jose\u0301")
+        said = calc("compare", two.encode()).stderr.decode()
+        self.assertIn("(5 and 4 characters) look alike, and count as different people", said)
+        self.assertEqual(calc("compare", TABLE.encode()).stderr, b"")
 
     def test_what_could_mean_two_things_is_refused(self):
         self.refused("compare", TABLE.replace("P2", "Jos\u00e9").encode("latin-1"), ":4:1:", "0xe9", "Latin-1", "UTF-8")

@@ -53,6 +53,18 @@ class Trials(program.Case):
                 self.assertEqual(line["condition"], "V")
                 self.same_numbers(line, theirs[line["participant"]], leave=("group",))
 
+    def test_trials_without_an_answer_are_left_out_and_counted(self):
+        counted = trials(CHOICES, "1", "0")
+        theirs = self.lines("which", *COLUMNS, "--standard", "900", text=table(counted))
+        for missing in ("-1", "NA", ""):
+            done = self.jnd("calc", "which", "-", *COLUMNS, "--standard", "900", "--no-answer", missing, "--json",
+                            input=table(counted + [("P01", "V", "", missing)] * 7))
+            self.assertEqual(sorted(done.lines, key=str), sorted(theirs, key=str))
+            self.assertIn(f'7 of {len(counted) + 7} trials have no answer ("{missing}") and are left out', done.stderr)
+        self.refused("the word for no answer is said with --no-answer", text=table(counted + [("P01", "V", 900, "-1")]))
+        self.refused("no trial has an answer", text=table([("P01", "V", 900, "-1")]), arguments=(*COLUMNS, "--standard", "900", "--no-answer", "-1"))
+        self.refused("--no-answer goes with --trials", text="x,n,k\n1,2,1\n", arguments=("--standard", "9", "--no-answer", "-1"), code=2)
+
     def test_a_standard_a_column(self):
         rows = [(subj, cond, stim, answer, standard, "x") for standard in (900, 1800)
                 for subj, cond, stim, answer in trials(CHOICES[:3], 1, 0)]
@@ -170,7 +182,7 @@ class Trials(program.Case):
                      arguments=("--trials", "--level", "stim", "--answer", "resp", "--standard", "900"))
         self.refused("standard input:122:5: resp: ", '"maybe" is neither', "in every row",
                      text=good + "120,P02,V,1000,maybe\n")
-        self.refused("standard input:122:5: resp: is empty", "take its row out", text=good + "120,P02,V,1000,\n")
+        self.refused("standard input:122:5: resp: is empty", '--no-answer ""', text=good + "120,P02,V,1000,\n")
         self.refused("standard input:122:4: stim: ", text=good + "120,P02,V,soft,1\n")
         words = table(trials(CHOICES, "left", "right"))
         self.refused('which answer in column "resp" says that the comparison was chosen?', "--positive", text=words)

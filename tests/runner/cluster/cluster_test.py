@@ -167,6 +167,23 @@ class Cluster(program.Case):
         self.write("run/protocol/study.json", '{"title": "another study"}')
         self.assertIn("changed since", self.cluster("run", code=3, plan=None).stderr)
 
+    def test_a_campaign_that_was_edited_does_not_go_on(self):
+        self.cluster("run", "--shards", "2")
+        made = json.loads(self.read("run", "campaign.json"))
+        for part in ({"files": {}}, {"files": {"study.json": "0" * 64}}, {"files": {"protocol/../../study.json": "0" * 64}}, {"files": {"protocol/x": None}},
+                     {"name": "x\ntouch pwned"}, {"command": "; touch pwned"}, {"arguments": [None]}):
+            self.write("run/campaign.json", made | part)
+            self.assertIn("damaged", self.cluster("run", "--time", "01:00:00", plan=None, code=3).stderr)
+        self.write("run/campaign.json", made | {"settings": made["settings"] | {"time": "1\ntouch pwned"}})
+        self.cluster("run", plan=None, code=2)
+        self.write("run/campaign.json", made)
+        self.write("run/protocol/study.json", '{"title": "a study" }')
+        for shard in ("1", "combine"):
+            self.assertIn("was changed since", self.script("job.sh", shard, code=3).stderr)
+        self.assertIn("logs/loop_1.log ends with:", self.script("loop.sh", code=1).stderr)
+        self.write("run/protocol/study.json", '{"title": "a study"}')
+        self.assertEqual(self.script("loop.sh").stdout, self.whole())
+
     def test_mistakes_in_the_plan_are_said_at_once(self):
         for plan in (("plan", "study.json"), ("simulate", "study.json", "--power"), ("plan", "--power", "study.json"),
                      ("plan", "study.json", "--power", "--to", "x"), ("plan", "study.json", "--power", "--shard=1/2"),

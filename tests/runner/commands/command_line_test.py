@@ -192,6 +192,20 @@ class CommandLine(program.Shared):
         self.jnd("verify", "unread.sqlite")
         unread("status", "unread.sqlite", code=-signal.SIGPIPE)
 
+    def test_a_name_that_begins_with_a_dash_is_told_from_an_option(self):
+        self.jnd("new", "./-x.json")
+        for name in ("-x.json", "--x.json"):
+            self.assertIn(f"check has no option {name}; a file of that name is ./{name}", self.jnd("check", name, code=2).stderr)
+        self.jnd("check", "./-x.json")
+        self.assertIn("check has no option -x\n", self.jnd("check", "-x", code=2).stderr)
+
+    def test_what_to_do_next_is_a_command_that_a_shell_takes(self):
+        for name in ("my study.sqlite", "it's $(touch ran).sqlite", "-x.sqlite", "\x1b[2J.sqlite"):
+            said = self.jnd("simulate", self.small, "--participants", "2", "--study", f"./{name}" if name[0] == "-" else name, "--seed", "1").stdout
+            command = said.partition("  next:  jnd ")[2].strip()
+            program.run("-c", f'"$0" {command} >/dev/null', program.JND, program="bash", folder=self.folder)
+        self.assertFalse((self.folder / "ran").exists())
+
     def test_the_first_signal_ends_what_only_computes(self):
         for number in (signal.SIGINT, signal.SIGTERM):
             # Seconds of arithmetic, and standard input that never ends.

@@ -300,6 +300,24 @@ class Export(program.Shared):
             self.says(printed, *said.values())
             self.assertEqual(printed.count("WRONG:"), 3, printed)
 
+    def test_the_scripts_run_nothing_that_lies_beside_them(self):
+        folder = self.folder / "my results"  # R writes a blank in another way
+        shutil.copytree(self.exports["tutorial"], folder)
+        for module in ("csv", "math", "os", "re", "statistics", "sys"):
+            (folder / f"{module}.py").write_text(f"open({str(folder / 'RAN')!r}, 'w')")
+        for status, printed in self.scripts(folder):
+            self.assertEqual(status, 0, printed)
+        self.assertFalse((folder / "RAN").exists())
+
+    def test_rows_that_are_missing_are_counted(self):
+        folder = self.folder / "rows"
+        shutil.copytree(self.exports["tutorial"], folder)
+        lines = (folder / "contrasts.csv").read_text().splitlines(keepends=True)
+        (folder / "contrasts.csv").write_text("".join(lines[:-1]))
+        for status, printed in self.scripts(folder):
+            self.assertEqual(status, 1, printed)
+            self.says(printed, f"{len(lines) - 2} of {len(lines) - 1} in contrasts.csv", "DIFFERS: the number of rows in contrasts.csv\n", " 0 differ")
+
     def test_a_changed_number_is_found(self):
         for file, column in (("group.csv", "jnd_mean_n_per_m"), ("contrasts.csv", "p"), ("cells.csv", "dprime")):
             with self.subTest(file):

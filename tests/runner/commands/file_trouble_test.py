@@ -106,9 +106,10 @@ class FileTrouble(program.Case):
         def limit():
             resource.setrlimit(resource.RLIMIT_FSIZE, (16384, 16384))
         for arguments in (SIMULATE + (self.folder / "new.sqlite",), ("backup", self.study, "--to", "b.sqlite"), ("report", self.study, "--to", "r.html"),
-                          ("export", self.study, "--to", "csv"), ("recover", self.study, "--to", "r.sqlite")):
+                          ("export", self.study, "--to", "csv"), ("recover", self.study, "--to", "r.sqlite"), ("new", "p.json")):
             with self.subTest(command=arguments[0]):
                 self.refused("larger than is allowed", *arguments, preexec_fn=limit)
+        self.assertFalse((self.folder / "p.json").exists())  # its schema is what is too large
 
     def small_disk(self, *options):
         place = self.folder / "disk"

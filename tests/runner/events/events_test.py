@@ -102,6 +102,41 @@ class Events(program.Case):
         self.assertIn("start the program that listens there first", self.session("none.sock", code=program.INVALID))
         self.assertFalse((self.folder / "study.sqlite").exists())
 
+    def test_files_are_never_written_over(self):
+        self.assertIn("give a path", self.session("", code=program.INVALID))  # a variable that is not set
+        self.write("mine.txt", "mine")
+        with open(self.folder / "mine.txt", "r+b") as file:
+            self.assertIn("would be written over", self.session(file.fileno(), (file.fileno(),), code=program.INVALID))
+        self.assertFalse((self.folder / "study.sqlite").exists())
+        with open(self.folder / "mine.txt", "ab") as file:
+            self.session(file.fileno(), (file.fileno(),))
+        self.assertTrue(self.read("mine.txt").startswith('mine{"time_s"'))
+        for suffix, flags in (("", os.O_RDWR), ("", os.O_WRONLY | os.O_APPEND), ("-wal", os.O_RDWR | os.O_CREAT), (".lock", os.O_RDWR | os.O_CREAT)):
+            file = os.open(self.folder / f"study.sqlite{suffix}", flags, 0o600)
+            self.assertIn("a file of the study itself", self.session(file, (file,), code=program.INVALID))
+            os.close(file)
+        self.jnd("verify", "study.sqlite")
+
+    def test_bridges_take_nothing_away(self):
+        before = self.write("thesis.sqlite", b"SQLite format 3\0 and more").read_bytes()
+        for name, arguments, why in (("lsl_markers.py", ("thesis.sqlite",), "no socket"), ("serial_pulses.py", ("thesis.sqlite", "/dev/null"), ""),
+                                     ("lsl_markers.py", ("bridge.sock", "--file", "thesis.sqlite"), "no markers")):
+            done = program.run(BRIDGES / name, *arguments, program=sys.executable, folder=self.folder, code=1)
+            self.assertIn(why, done.stderr)
+            self.assertEqual((self.folder / "thesis.sqlite").read_bytes(), before)
+
+    def test_markers_of_the_next_session_come_behind_the_first(self):
+        markers = []
+        for _ in range(2):
+            bridge = self.bridge("lsl_markers.py", "--file", "markers.csv")
+            self.session("bridge.sock")
+            self.assertEqual(bridge.wait(program.GUARD_S), 0)
+            markers.append(self.read("markers.csv"))
+            for file in self.folder.glob("study.sqlite*"):
+                file.unlink()
+        self.assertTrue(markers[1].startswith(markers[0]))
+        self.assertEqual([markers[1].count(word) for word in ("time_s,marker", ",hello", ",bye")], [1, 2, 2])
+
     def bridge(self, name, *arguments):
         bridge = self.started(BRIDGES / name, "bridge.sock", *arguments, program=sys.executable)
         self.assertEqual(bridge.stdout.readline(), "waits at bridge.sock\n")

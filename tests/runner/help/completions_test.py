@@ -4,6 +4,7 @@
 Usage: completions_test.py JND bash|zsh|fish. Ends with 77, and says so, if the shell is not installed."""
 import os
 import re
+import shlex
 import shutil
 import sys
 import tempfile
@@ -30,6 +31,9 @@ CASES = [
 ]
 
 
+ODD = "odd $(touch ran) it's"  # a shipped protocol of that name
+
+
 def bash(line, folder, script):
     """The function that completes, called as bash calls it."""
     words = line.split(" ")
@@ -38,7 +42,7 @@ def bash(line, folder, script):
            "complete -p jnd >/dev/null")
     done = program.run("--norc", "-c", ask, program="bash", folder=folder)
     assert done.stderr == "", done
-    return done.stdout.split()
+    return done.stdout.splitlines()
 
 
 def fish(line, folder, script):
@@ -88,9 +92,11 @@ def main():
         print(f"SKIPPED: {SHELL} is not installed: nobody looks at what Tab offers there")
         return 77
     with tempfile.TemporaryDirectory() as folder:
-        script = os.path.join(folder, ".jnd-completions")
+        script, shipped = (os.path.join(folder, name) for name in (".jnd-completions", ".shipped"))
+        shutil.copytree(program.ROOT / "protocols", os.path.join(shipped, "protocols"))
+        shutil.copy(program.ROOT / "protocols/tutorial.json", os.path.join(shipped, "protocols", f"{ODD}.json"))
         with open(script, "w", encoding="utf-8") as file:
-            file.write(program.run("completions", SHELL).stdout)
+            file.write(program.run("completions", SHELL, env={"JND_DATA_DIR": shipped}).stdout)
         for name in ("mine.sqlite", "other.txt"):
             open(os.path.join(folder, name), "w", encoding="utf-8").close()
         zsh = Zsh(folder, script) if SHELL == "zsh" else None
@@ -103,7 +109,13 @@ def main():
             if missing or extra:
                 wrong += 1
                 print(f"{line!r}: missing {missing}, not wanted {extra}; offered {offered}")
-        print(f"{len(CASES) - wrong} of {len(CASES)} lines complete as they should in {SHELL}")
+        # Offered as one word, and never run. zsh inserts it, with a backslash before what it would obey.
+        for line in ("jnd check odd", "jnd new my.json --from odd"):
+            offered = zsh.offered(line) if zsh else (bash if SHELL == "bash" else fish)(line, folder, script)
+            if not ({"touch", "ran"} <= set(offered) if zsh else ODD in offered or ODD in shlex.split(offered[0])) or os.path.exists(os.path.join(folder, "ran")):
+                wrong += 1
+                print(f"{line!r}: offered {offered}")
+        print(f"{len(CASES) + 2 - wrong} of {len(CASES) + 2} lines complete as they should in {SHELL}")
         return 1 if wrong else 0
 
 

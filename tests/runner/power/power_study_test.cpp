@@ -10,6 +10,7 @@
 #include <thread>
 
 #include <fmt/format.h>
+#include <sys/stat.h>
 
 #include "analysis/numerics/stop_request.h"
 #include "analysis/precision/precision.h"
@@ -237,6 +238,17 @@ TEST_CASE("shards that do not go together are refused", "[power][shards]") {
   std::ofstream(file("unfinished")) << shard_text(shard);
   std::ofstream(file("cut")) << older.substr(0, older.size() / 2);
   std::ofstream(file("no_shard")) << "{\"format\": 3}";
+  const std::string deep(300'000, '[');
+  std::ofstream(file("deep")) << R"({"format": "jnd shard 2", "sha256": "", "question": )" << deep
+                              << std::string(deep.size(), ']') << "}";
+  REQUIRE(::mkfifo(file("pipe").c_str(), 0600) == 0);
+  shard = read_shard(file("2"));
+  shard.of = 2'000'000'000;
+  std::ofstream(file("of_many")) << shard_text(shard);
+  testing::make_power_shard(protocol, question, 1, 1, file("whole"));
+  shard = read_shard(file("whole"));
+  shard.question["contrasts"][0] = {0, 9};
+  std::ofstream(file("no_such_condition")) << shard_text(shard);
 
   const auto refusal = [&](const std::vector<std::string>& names) {
     std::vector<std::filesystem::path> files;
@@ -259,7 +271,12 @@ TEST_CASE("shards that do not go together are refused", "[power][shards]") {
   CHECK_THAT(refusal({"1", "unfinished", "3"}), Catch::Contains("not a finished shard"));
   CHECK_THAT(refusal({"1", "cut", "3"}), Catch::Contains("is not a shard of simulated studies"));
   CHECK_THAT(refusal({"no_shard"}), Catch::Contains("is not a shard of simulated studies"));
-  CHECK_THAT(refusal({"1", "nowhere"}), Catch::Contains("cannot be read"));
+  CHECK_THAT(refusal({"deep"}), Catch::Contains("is not a shard of simulated studies"));
+  CHECK_THAT(refusal({"of_many"}), Catch::Contains("is not a shard of simulated studies"));
+  CHECK_THAT(refusal({"no_such_condition"}), Catch::Contains("is not one of a power study"));
+  CHECK_THAT(refusal({"1", "pipe"}), Catch::Contains("is a named pipe"));
+  CHECK_THAT(refusal({"1", "/dev/zero"}), Catch::Contains("is a device"));
+  CHECK_THAT(refusal({"1", "nowhere"}), Catch::Contains("cannot be opened"));
   // A name that something else has is left alone.
   CHECK_THROWS_AS(testing::make_power_shard(protocol, question, 1, 3, file("2")), InputError);
   CHECK_THROWS_AS(testing::make_power_shard(protocol, question, 2, 3, file("other")), InputError);

@@ -2,6 +2,7 @@
 #include "runner/shards/replicated_studies.h"
 
 #include <fstream>
+#include <functional>
 #include <set>
 #include <sstream>
 
@@ -194,6 +195,23 @@ TEST_CASE("shards of other studies are refused", "[shards][replicated]") {
   std::ofstream(file("foreign")) << shard_text(empty);
   CHECK_THAT(refused("foreign"), Catch::Contains("shard 2 of 2"));
   CHECK_FALSE(fs::exists(file("tables of foreign")));
+  const auto edited = [&](const std::string& name, const std::function<void(StudyShard&)>& edit) {
+    StudyShard shard = read_shard(file("2"));
+    edit(shard);
+    std::ofstream(file(name)) << shard_text(shard);
+    return refused(name);
+  };
+  int n = 0;
+  for (const char* const name : {"../out.csv", "dictionary.csv", "SHA256SUMS", "a\x1b[2J.csv"})
+    CHECK_THAT(edited(std::to_string(100 + ++n), [&](StudyShard& shard) { shard.result[0]["file"] = name; }),
+               Catch::Contains("a name that jnd does not give"));
+  for (const char* const cell : {"=1+1", "\"\t@x,\"", "\"1\"", "\"1", "\x1b[2J", "1,1"})
+    CHECK_THAT(edited(std::to_string(100 + ++n),
+                      [&](StudyShard& shard) {
+                        auto& rows = shard.result[0]["rows"].get_ref<std::string&>();
+                        rows.replace(0, rows.find(','), cell);
+                      }),
+               Catch::Contains("not as jnd writes it"));
 }
 
 }  // namespace jnd

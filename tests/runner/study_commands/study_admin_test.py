@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """Looking after a study from outside: note, exclude, unblind, backup, merge, recover, verify --deep."""
+import contextlib
 import os
 import shutil
 import sqlite3
@@ -64,6 +65,20 @@ class Care(program.Case):
         self.assertTrue(self.json("verify", "s.sqlite", "--deep")["ok"])
         analysis = self.json("analyze", "s.sqlite")
         self.assertEqual({row["participant"] for row in analysis["participants"]}, {"P01"})
+
+    def test_nothing_is_written_into_a_study_that_verify_refuses(self):
+        with contextlib.closing(sqlite3.connect(self.folder / "s.sqlite")) as study:
+            for trigger, in study.execute("SELECT name FROM sqlite_schema WHERE type = 'trigger'").fetchall():
+                study.execute(f'DROP TRIGGER "{trigger}"')
+            study.execute("UPDATE event SET body = replace(body, 'P02', 'P03') WHERE kind = 'session.opened'")
+            study.commit()
+        before = (self.folder / "s.sqlite").read_bytes()
+        self.jnd("verify", "s.sqlite", code=1)
+        for command in (("note", "s.sqlite", "a note"), ("exclude", "s.sqlite", "--participant", "P01", "--reason", "ill"), ("unblind", "s.sqlite", "--reason", "safety"),
+                        ("simulate", "tutorial", "--participants", "3", "--study", "s.sqlite")):
+            self.assertIn("nothing is written into it", self.jnd(*command, code=1).stderr)
+            self.assertEqual((self.folder / "s.sqlite").read_bytes(), before)
+            self.assertEqual(os.listdir(self.folder), ["s.sqlite"])
 
     def test_unblind_happens_once(self):
         self.jnd("unblind", "s.sqlite", code=2)
@@ -165,11 +180,12 @@ class Care(program.Case):
         ids = [{row["id"] for row in self.json("status", name)["sessions"]} for name in ("s.sqlite", "q.sqlite")]
         self.assertFalse(ids[0] & ids[1])
 
-    def test_codes_that_differ_in_capitals_only_are_refused(self):
+    def test_codes_that_look_alike_are_refused(self):
         run = ("run", "tutorial", "--study", "r.sqlite", "--responder", "chinello2017", "--fast", "--seed", "1")
         self.jnd(*run, "--participant", "P07")
-        refused = self.jnd(*run, "--participant", "p07", code=2).stderr
-        self.assertIn("the study has a participant P07", refused)
+        for code in ("p07", "P7", "P007"):
+            refused = self.jnd(*run, "--participant", code, code=2).stderr
+            self.says(refused, "the study has a participant P07", "For the same person: --participant P07")
         self.jnd(*run, "--participant", "p08")
 
     def test_a_file_with_a_foreign_trigger_is_refused_in_words(self):

@@ -30,6 +30,15 @@ std::string any_bytes() {
 
 }  // namespace
 
+TEST_CASE("a name is one word for a shell, and no option", "[terminal]") {
+  CHECK(shell_word("data/my-study_1.sqlite") == "data/my-study_1.sqlite");
+  CHECK(shell_word("my study.sqlite") == "'my study.sqlite'");
+  CHECK(shell_word("-x.sqlite") == "./-x.sqlite");
+  CHECK(shell_word("") == "''");
+  CHECK(shell_word("Anna's") == "'Anna'\\''s'");
+  CHECK(shell_word("a\x1b[2J b") == "$'a\\x1b\\x5b2J\\x20b'");
+}
+
 TEST_CASE("what a terminal would obey, reorder or hide is made visible", "[terminal]") {
   CHECK(printable("plain, \xC3\xA9, \xE5\x89\x9B, \xF0\x9F\x99\x82") ==
         "plain, \xC3\xA9, \xE5\x89\x9B, \xF0\x9F\x99\x82");
