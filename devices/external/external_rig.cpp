@@ -318,7 +318,8 @@ void ExternalRig::serve_once() {
     converse(connection);
     part(connection);
   } catch (const DeviceError& error) {
-    const std::string trouble = fmt::format(" {}: correct \"external\" in the rig file, or start the rig", error.what());
+    const std::string trouble =
+        fmt::format(" {}: correct \"external\" in the rig file, or start the rig", error.what());
     say(trouble, trouble);
   }
   {

@@ -347,9 +347,10 @@ int command_run(const RunOptions& options) {
   if (!person) simulated = make_simulated_participant(profile, protocol, plan.participant, seed, *clock);
   std::optional<PauseOnInterrupt> pausing;
   if (person) pausing.emplace();
+  const bool sealed = plan_sealed(*study, protocol) && !options.technician;
   const SessionParts parts{shown,       plan,   *rig,     person ? console->responder() : *simulated,
                            *opened.log, *clock, *console, interrupted,
-                           record,      person, plan_sealed(*study, protocol) && !options.technician};
+                           record,      person, sealed};
   const SessionRecorder recorder(parts);
   note_connections(parts, recorder, "opened");
   note_calibrations(parts, recorder, certificate_folders(chosen.file, options.study));

@@ -82,8 +82,7 @@ void one_session(Study& study, const Protocol& protocol, std::uint64_t seed, Ses
 
 int run(int count, char** arguments) {
   if (count == 5 && std::string(arguments[1]) == "--twin") {
-    fmt::print("{}\n",
-               test::twin_of(load_protocol(arguments[2]), std::stoull(arguments[3]), std::stoi(arguments[4])));
+    fmt::print("{}\n", test::twin_of(load_protocol(arguments[2]), std::stoull(arguments[3]), std::stoi(arguments[4])));
     return 0;
   }
   if (count != 7 && count != 8) {

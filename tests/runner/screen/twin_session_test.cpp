@@ -133,7 +133,8 @@ struct Twins {
 };
 
 // by_lines: with --plain.
-Twins shown_by_twins(const Protocol& protocol, bool by_lines, const Prepare& prepare = [](test::Bench&) {}) {
+Twins shown_by_twins(
+    const Protocol& protocol, bool by_lines, const Prepare& prepare = [](test::Bench&) {}) {
   constexpr std::uint64_t kSeedOfFirst = 1;
   return {shown_by(protocol, kSeedOfFirst, by_lines, prepare),
           shown_by(protocol, test::twin_of(protocol, kSeedOfFirst, 1), by_lines, prepare)};
@@ -156,8 +157,12 @@ void delivers_as_asked(test::Bench& bench) {
 Protocol rich_protocol(const Json& changes = {}) {
   Json json = {{"design", {{"order", {{"conditions", "permuted"}}}}},
                {"practice",
-                {{"trials", 2}, {"series", "2"}, {"conditions", {"S", "V"}}, {"criterion_correct", 0},
-                 {"max_rounds", 1}, {"feedback", "none"}}},
+                {{"trials", 2},
+                 {"series", "2"},
+                 {"conditions", {"S", "V"}},
+                 {"criterion_correct", 0},
+                 {"max_rounds", 1},
+                 {"feedback", "none"}}},
                {"breaks", {{{"after", "block"}, {"duration_s", 20}}}},
                {"questions",
                 {{{"id", "ease"},
@@ -186,8 +191,8 @@ TEST_CASE("Two plans that look the same show the same to the last byte, in every
                              "\"event\":\"trial.voided\""})
       CHECK(twins.first.find(part) != std::string::npos);
   }
-  for (const TaskKind task : {TaskKind::which, TaskKind::yes_no, TaskKind::identify, TaskKind::oddity, TaskKind::abx,
-                              TaskKind::adjust}) {
+  for (const TaskKind task :
+       {TaskKind::which, TaskKind::yes_no, TaskKind::identify, TaskKind::oddity, TaskKind::abx, TaskKind::adjust}) {
     CAPTURE(to_string(task));
     const Twins twins = shown_by_twins(testing::few_trials(task, 12), false, delivers_as_asked);
     CHECK(twins.first == twins.second);
@@ -234,9 +239,10 @@ TEST_CASE("What is named as unavoidable shows nothing beside itself") {
   SECTION("words of a condition") {
     const auto says = [](const char* words) { return Json{{"say", words}}; };
     const Twins twins = shown_by_twins(
-        rich_protocol({{"conditions",
-                        {{{"name", "S"}, {"label", "s"}, {"cues", {"force"}}, {"prescription", says("Press hard.")}},
-                         {{"name", "V"}, {"label", "v"}, {"cues", {"force"}}, {"prescription", says("Press soft.")}}}}}),
+        rich_protocol(
+            {{"conditions",
+              {{{"name", "S"}, {"label", "s"}, {"cues", {"force"}}, {"prescription", says("Press hard.")}},
+               {{"name", "V"}, {"label", "v"}, {"cues", {"force"}}, {"prescription", says("Press soft.")}}}}}),
         true);
     CHECK(twins.first != twins.second);
     CHECK(replaced(twins.first, "Press hard.", "Press soft.") == replaced(twins.second, "Press hard.", "Press soft."));

@@ -80,7 +80,7 @@ struct Scene {
   }
   SessionEnd run(SessionView& view, bool person) {
     const SessionParts parts{
-        bench.protocol,   bench.plan,           rig,   bench.responder, bench.log, bench.clock, view,
+        bench.protocol,   bench.plan,           rig,    bench.responder, bench.log, bench.clock, view,
         bench.interrupts, RecordPolicy::events, person, sealed};
     return SessionEngine(parts).run(replay(bench.log.events()), {});
   }
