@@ -4,6 +4,7 @@
 #include <array>
 #include <cctype>
 #include <cerrno>
+#include <cstdint>
 #include <fstream>
 #include <string_view>
 
@@ -28,7 +29,8 @@ namespace fs = std::filesystem;
 
 constexpr int kBusyTimeout_ms = 5000;
 constexpr const char* kQuickCheck = "quick_check(1)";
-constexpr int kStepsBetweenLooks = 10'000;  // of SQLite's virtual machine: well below a millisecond
+constexpr const char* kWholeCheck = "integrity_check(1)";  // of the indexes too
+constexpr int kStepsBetweenLooks = 10'000;                 // of SQLite's virtual machine: well below a millisecond
 
 void refuse_other_files(const fs::path& path) {
   std::error_code error;
@@ -165,7 +167,7 @@ bool is_damage(const SQLite::Exception& error) noexcept {
 
 bool is_whole(SQLite::Database& database) {
   try {
-    return damage_in(database, kQuickCheck) == "ok";
+    return damage_in(database, kWholeCheck) == "ok";
   } catch (const SQLite::Exception& error) {
     if (!is_damage(error)) throw;
     return false;
@@ -174,13 +176,19 @@ bool is_whole(SQLite::Database& database) {
 
 // Whether `both`, the study with what lies beside it, is whole and goes on from the study. Throws StorageError if the
 // study is whole without it only, and, for a writer, if it is whole neither way.
-bool is_own(const fs::path& path, const fs::path& beside, SQLite::Database& both, bool writable, SchemaSteps steps) {
+// most: bytes that the two together may have.
+bool is_own(const fs::path& path, const fs::path& beside, SQLite::Database& both, bool writable, SchemaSteps steps,
+            std::uintmax_t most = UINTMAX_MAX) {
   const std::unique_ptr<SQLite::Database> alone = opened_alone(path, steps);
   std::string why;
   try {
     refuse_no_study(path, both, false, steps);
     why = why_no_continuation(alone.get(), both);
-    if (why.empty()) why = damage_in(both, kQuickCheck);
+    if (why.empty()) why = damage_in(both, kWholeCheck);
+    if (why == "ok" && static_cast<std::uintmax_t>(pragma(both, "page_count")) *
+                               static_cast<std::uintmax_t>(pragma(both, "page_size")) >
+                           most)
+      why = "it is of a larger file";
     if (why == "ok") return true;
   } catch (const StorageError& error) {
     if (!alone) throw;
@@ -211,7 +219,8 @@ void refuse_foreign_journal(const fs::path& path, SchemaSteps steps) {
   };
   copied(place, copy.path());
   copied(journal, copy.path().string() + "-journal");
-  is_own(path, journal, *opened(copy.path().string(), SQLite::OPEN_READWRITE), true, steps);
+  // A transaction makes the file larger or leaves it: taken back it is no larger than it was found.
+  is_own(path, journal, *opened(copy.path().string(), SQLite::OPEN_READWRITE), true, steps, fs::file_size(place));
 }
 
 // Until a log is known to be the study's, closing the study must not put it into the file.

@@ -166,7 +166,7 @@ TEST_CASE("a recovery leaves out the log of another study", "[data]") {
   const fs::path path = folder / "study.jnd", other = folder / "other.jnd";
   const Killed killed = killed_study(path);
   {
-    const auto study = Study::create(other, tutorial().name, tutorial().bytes, 7, kLater);
+    const auto study = Study::create(other, tutorial().name, tutorial().bytes, kSeed, kLater);
     run_whole_session(*study, tutorial(), 4);
   }
   write_bytes(other.string() + "-wal", killed.log);
