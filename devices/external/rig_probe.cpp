@@ -112,6 +112,8 @@ Probed RigProbe::present(const RenderRequest& request, std::optional<double> sto
   // A presentation that is stopped is void at once; the rig's "done" tells when it really ended.
   (void)until(kInf, [&] { return exchange_.idle(); });
   if (stopped_s) probed.stopped_ms = 1000 * (now_s() - *stopped_s);
+  for (const RigEvent& event : exchange_.take_events())
+    if (const auto* fault = std::get_if<RigFault>(&event.what)) probed.fault = fault->cause;
   return probed;
 }
 

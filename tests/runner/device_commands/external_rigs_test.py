@@ -221,6 +221,8 @@ MISTAKES = [  # what is changed into what, a check that must fail, and the limit
     ('                return device.off()  # jnd is gone\n', '                select.select([], [], [])\n',
      "ends when its input does", {"bye_s": 1}),
     ('elif kind == "stop" and (going or prepared)', 'elif kind == "halt"', "stop ends a presentation", {"stop_s": 0.2}),
+    ('(going or prepared).done("complete" if going and message["reason"] == "enough" else "stopped")',
+     'say("fault", id=(going or prepared).id, cause="busy")', "stop ends a presentation"),
     ('(going or problem(hello, message))',  # what is to be stopped is void before
      '(going or problem(hello, message) or message["id"] < 1000 and message.get("exploration", {}).get("duration_s") == 10)',
      "stop ends a presentation"),
