@@ -91,7 +91,8 @@ Probed RigProbe::present(const RenderRequest& request, const Course& course) {
     probed.voided = RigVoid{0, RigFailure::ended, why};
     return probed;
   }
-  std::optional<double> present_s, stop_s, stopped_s;
+  double present_s = kInf;
+  std::optional<double> stop_s, stopped_s;
   while (!probed.done && !probed.voided) {
     for (const RigEvent& event : exchange_.take_events()) {
       if (std::holds_alternative<RigReady>(event.what)) {
@@ -105,8 +106,8 @@ Probed RigProbe::present(const RenderRequest& request, const Course& course) {
       if (const auto* done = std::get_if<RigDone>(&event.what)) probed.done = *done;
       if (const auto* voided = std::get_if<RigVoid>(&event.what)) probed.voided = *voided;
     }
-    if (present_s && now_s() >= *present_s) {
-      present_s.reset();
+    if (now_s() >= present_s) {
+      present_s = kInf;
       (void)exchange_.present(id, clock_.now_ns());
       if (course.stop_after_s && course.reason != RigStop::enough) stop_s = now_s() + *course.stop_after_s;
     }
@@ -119,6 +120,8 @@ Probed RigProbe::present(const RenderRequest& request, const Course& course) {
   // A presentation that is stopped is void at once; the rig's "done" tells when it really ended.
   (void)until(kInf, [&] { return exchange_.idle(); });
   if (stopped_s) probed.stopped_ms = 1000 * (now_s() - *stopped_s);
+  for (const RigEvent& event : exchange_.take_events())
+    if (const auto* fault = std::get_if<RigFault>(&event.what)) probed.fault = fault->cause;
   return probed;
 }
 

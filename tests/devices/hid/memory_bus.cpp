@@ -15,6 +15,7 @@ namespace {
 constexpr std::int64_t kMillisecond_ns = 1'000'000;
 constexpr std::size_t kUnread = 63;  // hidraw keeps the oldest
 constexpr int kBlocked_ms = 5000;
+constexpr int kBusy = 1000;  // looks at what is still to be done
 
 }  // namespace
 
@@ -165,22 +166,32 @@ void MemoryBus::millisecond() {
   changed_.notify_all();
 }
 
+// On a busy machine a thread that reads may be kept from it for longer than its reports have room.
 void MemoryBus::run() noexcept {
+  int unread = 0;
   Lock lock(mutex_);
   while (!ends_) {
     (void)look(lock, 1, [this] { return ends_; });
     if (driving_ > 0 || ends_) continue;
-    if (rests_ > 0)
+    if (rests_ > 0) {
       --rests_;
-    else
+    } else if (all_read() || ++unread > kBusy) {
+      if (unread > kBusy) forget_readers();
+      unread = 0;
       millisecond();
+    }
   }
+}
+
+// They read no more.
+void MemoryBus::forget_readers() {
+  for (const auto& slot : slots_)
+    for (Handle* handle : slot->handles) handle->reads = handle->waiting;
 }
 
 void MemoryBus::drive(bool commands) noexcept {
   constexpr int kRests = 200;
-  // A device without commands yet, or no more, does not keep the loop for long.
-  constexpr int kBusy = 1000, kIdle = 20;
+  constexpr int kIdle = 20;  // a device without commands yet, or no more, does not keep the loop for long
   const auto await_commands = [this](Lock& lock, int times, bool of_commanded) {
     (void)look(lock, times, [this, of_commanded] {
       return std::all_of(slots_.begin(), slots_.end(), [of_commanded](const auto& slot) {

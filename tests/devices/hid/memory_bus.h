@@ -97,6 +97,7 @@ class MemoryBus final : public HidBus, public Clock {
   void millisecond();
   void drive(bool commands) noexcept;
   bool all_read() const;
+  void forget_readers();
 
   std::mutex mutex_;
   std::condition_variable changed_;

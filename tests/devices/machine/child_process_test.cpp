@@ -88,7 +88,7 @@ TEST_CASE("what a child started in groups of its own is ended with it") {
 }
 
 TEST_CASE("a child is asked first, and may end by itself") {
-  ChildProcess child({"sh", "-c", "trap 'echo bye; exit 7' TERM; echo hello; tail -f /dev/null & wait"}, {});
+  ChildProcess child({"sh", "-c", "trap 'kill $!; echo bye; exit 7' TERM; echo hello; tail -f /dev/null & wait"}, {});
   CHECK(heard_from(child, 6) == "hello\n");
   CHECK(child.end(std::chrono::minutes(10)) == "exit code 7");
 }

@@ -224,8 +224,8 @@ TEST_CASE("a program may end its work in peace") {
     const ScratchFile file("said", "");
     {
       ProcessTracker tracker(
-          shell("trap 'echo bye >> said; exit 0' TERM; echo hello >> said; tail -f /dev/null & wait"), file.folder(),
-          kOneFinger, kHere, kClock);
+          shell("trap 'kill $!; echo bye >> said; exit 0' TERM; echo hello >> said; tail -f /dev/null & wait"),
+          file.folder(), kOneFinger, kHere, kClock);
       CHECK(wait_until([&] { return read_file(file.path()) == "hello\n"; }));
     }
     return read_file(file.path()) == "hello\nbye\n";

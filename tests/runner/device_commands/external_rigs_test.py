@@ -243,7 +243,8 @@ def check_screen(folder):
     """What a person reads: a line for each check, and a verdict."""
     done = run("--command", f"python3 {EXAMPLES / 'plain_rig.py'}")
     for words in ("alive while it waits", "stop ends a presentation", "lets go when the program is silent", "within 200 ms"):
-        check(words in done.stdout, f"{words!r} is on the screen: {done.stdout}")
+        # A busy machine may lose the rig, and what follows is not tried.
+        check(done.returncode or words in done.stdout, f"{words!r} is on the screen: {done.stdout}")
     verdict = "judged checks ok" if done.returncode == 0 else "FAILED: do not use this rig"
     check(done.returncode in (0, 4) and verdict in done.stdout.splitlines()[-1], f"{done.returncode}: {done.stdout}")
 
@@ -266,6 +267,8 @@ MISTAKES = [  # what is changed into what, a check that must fail, and the limit
     ('                return device.off()  # jnd is gone\n', '                select.select([], [], [])\n',
      "ends when its input does", {"bye_s": 1}),
     ('elif kind == "stop" and (going or prepared)', 'elif kind == "halt"', "stop ends a presentation", {"stop_s": 0.2}),
+    ('(going or prepared).done("complete" if going and message["reason"] == "enough" else "stopped")',
+     'say("fault", id=(going or prepared).id, cause="busy")', "stop ends a presentation"),
     ('(going or problem(hello, message))',  # what is to be stopped is void before
      '(going or problem(hello, message) or message["id"] < 1000 and message.get("exploration", {}).get("duration_s") == 10)',
      "stop ends a presentation"),

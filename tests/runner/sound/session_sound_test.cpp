@@ -42,7 +42,7 @@ class Players {
   void add_good(const std::string& name) const {
     add(name,
         "case \"$file\" in *silence*) exit 0;; esac\n"
-        "trap 'echo \"end ${file##*/}\" >> \"$record\"; exit 0' TERM\n"
+        "trap 'kill $!; echo \"end ${file##*/}\" >> \"$record\"; exit 0' TERM\n"
         "echo \"${file##*/} $(cksum < \"$file\")\" >> \"$record\"\n"
         "case \"$file\" in *noise*|*metronome*) tail -f /dev/null & wait;; esac");
   }
