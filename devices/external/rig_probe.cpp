@@ -117,11 +117,13 @@ Probed RigProbe::present(const RenderRequest& request, const Course& course) {
     }
     if (!probed.done && !probed.voided) step();
   }
-  // A presentation that is stopped is void at once; the rig's "done" tells when it really ended.
+  // A presentation that is stopped is void at once; the rig's "done" tells when it really ended, its "fault" that it gave
+  // up by itself.
   (void)until(kInf, [&] { return exchange_.idle(); });
   if (stopped_s) probed.stopped_ms = 1000 * (now_s() - *stopped_s);
   for (const RigEvent& event : exchange_.take_events())
-    if (const auto* fault = std::get_if<RigFault>(&event.what)) probed.fault = fault->cause;
+    if (const auto* fault = std::get_if<RigFault>(&event.what))
+      probed.voided = RigVoid{id, RigFailure::rig_fault, "the rig says: " + ascii_quote(fault->cause)};
   return probed;
 }
 

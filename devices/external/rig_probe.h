@@ -31,8 +31,7 @@ struct Probed {
   std::optional<RigVoid> voided;
   double ready_ms = 0;    // from "prepare" to "ready"
   double contacts = 0;    // messages
-  double stopped_ms = 0;  // from "stop" to its end; 0 where it was not stopped
-  std::string fault;      // that the rig said instead of "done" after "stop"
+  double stopped_ms = 0;  // from "stop" to "done"; 0 where it was not stopped
 };
 
 // Thread rule: one thread, whose SIGPIPE is blocked while this lives.

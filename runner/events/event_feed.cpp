@@ -17,6 +17,7 @@
 
 #include "data/files/descriptor.h"
 #include "devices/clock.h"
+#include "devices/machine/peer_user.h"
 #include "devices/machine/io_thread.h"
 #include "protocols/input/input_error.h"
 #include "protocols/version.h"

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # boot.sh IMAGE RESULTS SECONDS: boots IMAGE.vmlinuz with IMAGE.cpio, prints what the guest says on its serial line, and
-# unpacks its /results, which it writes to its disk, into the folder RESULTS. Exit status: the guest's; 124: it was not done within SECONDS; 125: it
-# ended without a word.
+# unpacks its /results, which it writes to its disk, into the folder RESULTS. Exit status: the guest's; 124: it was not
+# done within SECONDS; 125: it ended without a word.
 #
 # Pure emulation, always: a machine with half a virtualisation would hang. One processor, and counted instructions as
 # its clock (-icount): an instruction takes 1 ns, idle time is skipped. So a busy host makes the guest slow, never late.

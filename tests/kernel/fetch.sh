@@ -63,7 +63,8 @@ if [ -z "$package" ]; then
   package=$(kernel_package)
 fi
 [ -n "$package" ] || skip "no kernel package is known: $metapackage is not in the package lists"
-wanted=('./boot/vmlinuz-*' '*/lib/modules/*/kernel/drivers/hid/*' '*/lib/modules/*/kernel/drivers/*/virtio*')  # /lib is in /usr from Debian 13 on
+# /lib is in /usr from Debian 13 on.
+wanted=('./boot/vmlinuz-*' '*/lib/modules/*/kernel/drivers/hid/*' '*/lib/modules/*/kernel/drivers/*/virtio*')
 [ "$flavour" = cloud ] || wanted+=('*/lib/modules/*/kernel/drivers/usb/*' '*/lib/modules/*/kernel/fs/configfs/*')
 unpack "$package" "$cache/$package" "${wanted[@]}"
 unpack busybox-static "$cache/busybox" '*/bin/busybox'

@@ -168,18 +168,16 @@ void MemoryBus::millisecond() {
 
 // On a busy machine a thread that reads may be kept from it for longer than its reports have room.
 void MemoryBus::run() noexcept {
-  int unread = 0;
   Lock lock(mutex_);
   while (!ends_) {
     (void)look(lock, 1, [this] { return ends_; });
     if (driving_ > 0 || ends_) continue;
     if (rests_ > 0) {
       --rests_;
-    } else if (all_read() || ++unread > kBusy) {
-      if (unread > kBusy) forget_readers();
-      unread = 0;
-      millisecond();
+      continue;
     }
+    if (!look(lock, kBusy, [this] { return all_read() || driving_ > 0 || ends_; })) forget_readers();
+    if (driving_ == 0 && !ends_) millisecond();
   }
 }
 

@@ -241,10 +241,12 @@ def check_slow(folder):
 
 def check_screen(folder):
     """What a person reads: a line for each check, and a verdict."""
-    done = run("--command", f"python3 {EXAMPLES / 'plain_rig.py'}")
+    while True:  # a busy machine may lose the rig, and what follows is not tried
+        done = run("--command", f"python3 {EXAMPLES / 'plain_rig.py'}")
+        if "was lost before" not in done.stdout and "no hello within" not in done.stdout:
+            break
     for words in ("alive while it waits", "stop ends a presentation", "lets go when the program is silent", "within 200 ms"):
-        # A busy machine may lose the rig, and what follows is not tried.
-        check(done.returncode or words in done.stdout, f"{words!r} is on the screen: {done.stdout}")
+        check(words in done.stdout, f"{words!r} is on the screen: {done.stdout}")
     verdict = "judged checks ok" if done.returncode == 0 else "FAILED: do not use this rig"
     check(done.returncode in (0, 4) and verdict in done.stdout.splitlines()[-1], f"{done.returncode}: {done.stdout}")
 
