@@ -22,7 +22,8 @@ inline std::string letters_of(const Protocol& protocol, std::uint64_t seed, int 
   return letters;
 }
 
-// Whether no letter stands for the same condition, and at least a quarter of the trials differ in class and stimuli.
+// Whether no letter stands for the same condition, and at least a quarter of the trials differ in stimuli, and in class
+// where there are classes.
 inline bool differ_behind_letters(const Protocol& protocol, std::uint64_t a, std::uint64_t b, int participants) {
   const std::vector<std::string> of_a = condition_codes(protocol, a), of_b = condition_codes(protocol, b);
   for (std::size_t i = 0; i < of_a.size(); ++i)
@@ -32,7 +33,8 @@ inline bool differ_behind_letters(const Protocol& protocol, std::uint64_t a, std
     const Plan one = make_plan(protocol, number, a), other = make_plan(protocol, number, b);
     trials += one.trials.size();
     for (std::size_t i = 0; i < one.trials.size(); ++i)
-      differ += one.trials[i].target != other.trials[i].target && one.trials[i].stimuli != other.trials[i].stimuli;
+      differ += (protocol.task.classes.empty() || one.trials[i].target != other.trials[i].target) &&
+                one.trials[i].stimuli != other.trials[i].stimuli;
   }
   return 4 * differ >= trials;
 }

@@ -113,13 +113,16 @@ UsableSeries usable_series(std::span<const SeriesCounts> series) {
 }
 
 JndEstimate estimate_jnd(std::span<const SeriesCounts> series, double reference_n_per_m, JndMethod method,
-                         Correction correction) {
+                         Correction correction, SameTrials same) {
   const UsableSeries usable = usable_series(series);
   JndEstimate result;
   result.method = method;
   result.series_used = static_cast<int>(usable.series.size());
   if (is_maximum_likelihood(method)) {
-    const MlSlope fit = ml_slope(usable.series, method);
+    std::vector<SeriesCounts> counted = usable.series;
+    if (same == SameTrials::shared)
+      for (std::size_t i = 1; i < counted.size(); ++i) counted[i].counts.n_same = counted[i].counts.false_alarms = 0;
+    const MlSlope fit = ml_slope(counted, method);
     result.slope = fit.slope;
     result.slope_ci_low = fit.ci_low;
     result.slope_ci_high = fit.ci_high;

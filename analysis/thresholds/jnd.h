@@ -85,9 +85,11 @@ struct JndEstimate {
 // 0 <= false_alarms <= n_same; reference > 0. A series with an empty class is left out and named by a caution.
 
 // correction: what the closed forms do about rates of 0 and 1; maximum likelihood works on the raw counts and ignores
-// it. `weighted` takes its weights from the log-linear rates under every correction.
+// it. `weighted` takes its weights from the log-linear rates under every correction. same: shared where the same trials of
+// every series are those of all; likelihoods count them once, which needs a criterion that is common.
+enum class SameTrials { own, shared };
 JndEstimate estimate_jnd(std::span<const SeriesCounts> series, double reference_n_per_m, JndMethod method,
-                         Correction correction);
+                         Correction correction, SameTrials same = SameTrials::own);
 
 // estimate_jnd with JndMethod::least_squares. Series without information stay in with their corrected d' (0), the
 // paper's convention.

@@ -37,7 +37,7 @@ std::string seed_text(const Study& study, const Protocol& protocol, std::string_
 // would be the hash of a single event.
 std::string shown_head(const SessionInfo& session, bool sealed);
 
-// Why results are in code, and what ends it, in one line. study: how the command line names it.
+// Why results are in code, and what ends it, in one line. study: as a shell takes its name.
 std::string blinding_line(const BlindingState& state, const std::string& study);
 
 }  // namespace jnd

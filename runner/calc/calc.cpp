@@ -21,6 +21,7 @@ void add_input(const Command& command, CalcInput& input, const std::string& colu
 }
 
 void say_look_alikes(const CsvTable& table, const std::string& column, const std::string& file) {
+  if (!table.has(column)) return;
   std::set<std::string> codes;
   for (std::size_t row = 0; row < table.rows(); ++row) codes.emplace(table.text(row, column));
   const std::string alike = look_alikes({codes.begin(), codes.end()});

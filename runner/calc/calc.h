@@ -21,8 +21,8 @@ struct CalcInput {
 // The positional FILE ("-": standard input) and --json. columns: for the help, such as "id, n_diff, hits".
 void add_input(const Command& command, CalcInput& input, const std::string& columns);
 
-// A caution on standard error, where codes in a column look alike: they count as different people. file: "-" is
-// standard input.
+// A caution on standard error, where there is such a column, and codes in it look alike: they count as different people.
+// file: "-" is standard input.
 void say_look_alikes(const CsvTable& table, const std::string& column, const std::string& file);
 
 // What is wrong with a text that is no finite number above 0; empty where it is one.

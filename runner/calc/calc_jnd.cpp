@@ -74,25 +74,6 @@ std::vector<Group> groups_of(const CsvTable& table, double reference) {
   return groups;
 }
 
-// The same trials, which go with all series, parted among them, so that each counts once: which series has which does not
-// matter where the criterion is common. One or more to every series; empty where there are too few.
-std::vector<SeriesCounts> parted_series(const std::vector<SeriesCounts>& series) {
-  const int n = static_cast<int>(series.size());
-  int same = series.front().counts.n_same, alarms = series.front().counts.false_alarms;
-  std::vector<SeriesCounts> parted = series;
-  if (same < n) return {};
-  for (int i = 0; i < n; ++i) {
-    Counts& counts = parted[static_cast<std::size_t>(i)].counts;
-    const int left = n - i;
-    counts.n_same = same / left;
-    // Evenly, as far as the series that are left can hold the rest.
-    counts.false_alarms = std::min(counts.n_same, std::max(alarms / left, alarms - (same - counts.n_same)));
-    same -= counts.n_same;
-    alarms -= counts.false_alarms;
-  }
-  return parted;
-}
-
 Group group_of_trials(const JndOptions& options, const std::string& file, const TrialUnit& unit,
                       const std::vector<TrialCount>& counts) {
   Group group;
@@ -141,24 +122,15 @@ bool of_own_criteria(JndMethod method) noexcept {
   return method == JndMethod::ml_yes_no_series || method == JndMethod::ml_differencing_series;
 }
 
-// Of series that share their same trials: closed forms take them for each; likelihoods take them once, which needs a
-// criterion that is common. Fit quality is left out: the parted counts are no data.
+// Of series that share their same trials. Fit quality is left out: their cells are not two of each series.
 GroupResult result_of_shared(const Group& group, const JndOptions& options) {
-  const std::vector<SeriesCounts> parted = parted_series(group.series);
   GroupResult result;
   for (const JndMethod method : kJndMethods) {
     result.qualities.emplace_back();
-    if (is_maximum_likelihood(method) && (of_own_criteria(method) || parted.empty())) {
-      result.estimates.emplace_back();
-      continue;
-    }
-    JndEstimate estimate = estimate_jnd(is_maximum_likelihood(method) ? parted : group.series, group.reference, method,
-                                        *correction_from(options.correction));
-    const bool few = std::any_of(group.series.begin(), group.series.end(), [](const SeriesCounts& series) {
-      return std::min(series.counts.n_diff, series.counts.n_same) < 10;
-    });
-    if (!few) std::erase(estimate.cautions, Caution::few_trials);
-    result.estimates.emplace_back(std::move(estimate));
+    result.estimates.emplace_back();
+    if (!of_own_criteria(method))
+      result.estimates.back() =
+          estimate_jnd(group.series, group.reference, method, *correction_from(options.correction), SameTrials::shared);
   }
   return result;
 }

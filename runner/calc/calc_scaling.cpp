@@ -200,6 +200,7 @@ std::string magnitude_text(const MagnitudeTable& table, const MagnitudeScale& sc
 
 int magnitude(const MagnitudeOptions& options) {
   const CsvTable csv = CsvTable::read(options.input.file, {"stimulus", "answer"}, {"participant"});
+  say_look_alikes(csv, "participant", options.input.file);
   const MagnitudeTable table = magnitude_table(csv);
   const MagnitudeScale scale = magnitude_scale(table.estimates);
   if (!scale.ok()) {
@@ -330,6 +331,7 @@ std::string adjustment_group_text(const AdjustmentGroup& group) {
 
 int adjust_settings(const AdjustOptions& options) {
   const CsvTable csv = CsvTable::read(options.input.file, {"setting"}, {"participant", "start"});
+  say_look_alikes(csv, "participant", options.input.file);
   const AdjustmentTable table = adjustment_table(csv);
   std::vector<Adjustment> participants;
   for (const std::vector<Setting>& settings : table.settings)

@@ -120,7 +120,7 @@ void read_sureness(CsvTrial& trial, const CsvTable& table, std::size_t row, cons
 // file: its name in messages.
 TrialTable trials_of(const CsvTable& table, const std::string& file, const TrialOptions& options, const TrialUse& use) {
   const TwoAnswers answers(table, options.answer, options.no_answer);
-  if (!options.participant.empty()) say_look_alikes(table, options.participant, file);
+  say_look_alikes(table, options.participant, file);
   TrialTable out;
   out.file = file;
   const std::optional<std::string> counted = counted_word(out.file, answers, options, use);

@@ -18,6 +18,7 @@ namespace jnd {
 namespace {
 
 constexpr int kLook_ms = 50;
+constexpr std::size_t kMostBytes = std::size_t{64} << 20U;  // that it prints: a queue of millions of tasks
 
 // Appends what can be read now. False at the end of the stream.
 bool read_some(int file, std::string& to) {
@@ -45,14 +46,15 @@ CalledProgram call_program(const std::vector<std::string>& command, const std::f
   ChildProcess child(command, folder);
   CalledProgram called;
   bool output = true, errors = true;
-  while ((output || errors) && keep_waiting()) {
+  const auto endless = [&] { return called.output.size() + called.errors.size() > kMostBytes; };
+  while ((output || errors) && !endless() && keep_waiting()) {
     pollfd files[2] = {{output ? child.output() : -1, POLLIN, 0}, {errors ? child.errors() : -1, POLLIN, 0}};
     if (poll(files, 2, kLook_ms) <= 0) continue;
     if (files[0].revents != 0) output = read_some(child.output(), called.output);
     if (files[1].revents != 0) errors = read_some(child.errors(), called.errors);
   }
   // The streams may end before the program does.
-  while (!child.has_exited() && keep_waiting()) usleep(1000);
+  while (!endless() && !child.has_exited() && keep_waiting()) usleep(1000);
   const bool exited = child.has_exited();
   const std::string how = child.end();
   constexpr std::string_view kCode = "exit code ";
@@ -61,6 +63,10 @@ CalledProgram call_program(const std::vector<std::string>& command, const std::f
     called.code = number_from<int>(rest.substr(0, rest.find(':')));
   }
   called.done = called.code == 0;
+  if (endless()) {
+    called.output.clear();
+    called.errors = fmt::format("it printed more than {} MB", kMostBytes >> 20U);
+  }
   return called;
 }
 

@@ -20,7 +20,7 @@ struct CalledProgram {
 };
 
 // Runs it in `folder` and takes what it prints; it has no terminal, so that a Ctrl-C does not reach it. It is ended where
-// keep_waiting() is false. Throws DeviceError where it cannot be started.
+// keep_waiting() is false, or it prints without end. Throws DeviceError where it cannot be started.
 CalledProgram call_program(const std::vector<std::string>& command, const std::filesystem::path& folder,
                            const std::function<bool()>& keep_waiting);
 

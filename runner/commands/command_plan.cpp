@@ -269,7 +269,7 @@ int print_cohort(const Protocol& protocol, std::uint64_t seed, const PlanOptions
 // in the protocol's own order, which would name the letters.
 int plan_in_code(const Study& study, const Protocol& protocol, const PlanOptions& options) {
   const BlindingState state = blinding_of(study, protocol, SessionKind::real);
-  const std::string line = blinding_line(state, *options.study);
+  const std::string line = blinding_line(state, shell_word(*options.study));
   if (options.cohort)
     throw UsageError(line + "\nThe balance of the cohort names conditions: leave --cohort out until then");
   const std::vector<SessionInfo> sessions = study.sessions();

@@ -91,7 +91,7 @@ int command_status(const StatusOptions& options) {
   }
   fmt::print("{}: protocol {} ({}...), seed {}\n", bold(printable(options.study)), printable(info.protocol_name),
              info.protocol_sha256.substr(0, 12), seed_text(*study, protocol, "sealed"));
-  if (sealed) fmt::print("{}\n", warn(printable(blinding_line(blinding, options.study))));
+  if (sealed) fmt::print("{}\n", warn(printable(blinding_line(blinding, shell_word(options.study)))));
   if (sessions.empty()) {
     fmt::print("  no session yet\n");
     return exit_code::kDone;
@@ -212,7 +212,7 @@ int command_export(const ExportOptions& options) {
   const Protocol protocol = protocol_of(*study);
   const SessionKind kind = kind_to_analyse(*study, options.kind);
   if (options.telemetry && plan_sealed(*study, protocol))
-    throw UsageError(blinding_line(blinding_of(*study, protocol, SessionKind::real), options.study) +
+    throw UsageError(blinding_line(blinding_of(*study, protocol, SessionKind::real), shell_word(options.study)) +
                      "\nThe recorded forces give the stimuli away: export without --telemetry until then");
   if (blinding_of(*study, protocol, kind).blinded) return export_in_code(*study, protocol, kind, options);
   std::optional<WorkLine> working(std::in_place, "exporting " + options.study);

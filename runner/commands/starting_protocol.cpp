@@ -11,6 +11,7 @@
 
 #include "protocols/input/json_text.h"
 #include "protocols/planning/adaptive_run.h"
+#include "protocols/planning/specimen_codes.h"
 #include "protocols/protocol.h"
 #include "protocols/tasks/task.h"
 #include "runner/terminal/exit_code.h"
@@ -184,17 +185,20 @@ ordered_json ratings_section(const std::vector<std::string>& ratings) {
   return list;
 }
 
-// What lies on the table, with codes that are in no order.
+// What lies on the table, with codes that are in no order: each once, for up to 18 values.
 ordered_json specimens(std::vector<double> values, double standard) {
-  constexpr std::array kCodes{"K", "7", "T", "2", "M", "9", "D", "4", "X", "1", "R", "6",
-                              "B", "8", "W", "3", "H", "5", "P", "0", "L", "A", "V", "E"};
+  constexpr std::string_view kLetters = "ABDEHKLMPRTVWX", kDigits = "23456789";
+  constexpr std::size_t kStep = 29;  // it and the number of codes have no divisor in common
   if (std::find(values.begin(), values.end(), standard) == values.end()) values.push_back(standard);
   std::sort(values.begin(), values.end());
   ordered_json list;
-  // Every second code, and the others: each once, for up to 12 values, and never in a row.
-  for (std::size_t i = 0; i < values.size(); ++i)
-    list.push_back(
-        {{"value", values[i]}, {"codes", {kCodes[14 * i % kCodes.size()], kCodes[(14 * i + 7) % kCodes.size()]}}});
+  std::size_t code = 0;
+  for (const double value : values) {
+    ordered_json codes = ordered_json::array();
+    for (int i = 0; i < kAdvisedCodes; ++i, code += kStep)
+      codes.push_back(std::string{kLetters[code / kDigits.size() % kLetters.size()], kDigits[code % kDigits.size()]});
+    list.push_back({{"value", value}, {"codes", std::move(codes)}});
+  }
   return list;
 }
 

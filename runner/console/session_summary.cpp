@@ -21,7 +21,6 @@ std::string copy_name(const std::string& study) {
   return (ends ? study.substr(0, study.size() - kEnding.size()) : study) + "-copy" + kEnding;
 }
 
-// As a shell takes it.
 }  // namespace
 
 std::string not_as_asked_text(const Deliveries& deliveries) {

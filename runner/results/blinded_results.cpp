@@ -8,6 +8,7 @@
 #include "data/log/event_body.h"
 #include "data/results/adaptive_results.h"
 #include "protocols/planning/condition_codes.h"
+#include "runner/terminal/terminal.h"
 
 namespace jnd {
 
@@ -91,7 +92,7 @@ BlindedResults blinded_results(const Study& study, const Protocol& protocol, Ses
   results.kind = kind;
   results.chains = require_whole_chains(study);
   results.state = blinding_of(study, protocol, kind);
-  results.line = blinding_line(results.state, study_name);
+  results.line = blinding_line(results.state, shell_word(study_name));
   std::vector<SessionInfo> sessions = study.sessions();
   std::erase_if(sessions, [kind](const SessionInfo& session) { return session.kind != kind; });
   if (sessions.empty()) return results;

@@ -10,6 +10,7 @@
 #include "data/export/data_package.h"
 #include "data/export/result_columns.h"
 #include "data/files/scratch_folder.h"
+#include "protocols/input/csv_table.h"
 #include "protocols/input/input_error.h"
 #include "protocols/input/sha256.h"
 #include "runner/opening/study_access.h"
@@ -65,34 +66,20 @@ DictionaryRow dictionary_row(const std::string& file, const ordered_json& column
           column.at(5).get<bool>()};
 }
 
-// A cell as it stands in a line, which no spreadsheet runs and no terminal obeys.
-bool is_safe_cell(std::string_view written) {
-  std::string cell(written);
-  if (written.starts_with('"')) {
-    cell.clear();
-    for (std::size_t i = 1; i + 1 < written.size(); ++i) {
-      cell += written[i];
-      if (written[i] == '"') ++i;  // it stands twice
+// Whether a text is as csv_line() writes it, with cells that no spreadsheet runs and no terminal obeys.
+bool is_own_csv(const std::string& text, const std::vector<std::string>& columns) {
+  const CsvTable table = CsvTable::parse(text, "the table", columns);
+  std::string again = csv_line(columns);
+  for (std::size_t row = 0; row < table.rows(); ++row) {
+    std::vector<std::string> cells;
+    for (const std::string& column : columns) {
+      const std::string cell(table.text(row, column));
+      cells.push_back(cell == "-Inf" ? cell : csv_text(cell));
     }
+    again += csv_line(cells);
   }
-  const auto is_control = [](char c) { return static_cast<unsigned char>(c) < ' ' || c == '\x7f'; };
-  return csv_cell(cell) == written && (cell == "-Inf" || csv_text(cell) == cell) &&
-         std::none_of(cell.begin(), cell.end(), is_control);
-}
-
-// Whether a text is lines as csv_line() writes them, of so many cells each.
-bool is_safe_csv(std::string_view text, std::size_t cells) {
-  std::size_t begin = 0, seen = 0;
-  bool quoted = false;
-  for (std::size_t at = 0; at < text.size(); ++at) {
-    if (text[at] == '"') quoted = !quoted;
-    if (quoted || (text[at] != ',' && text[at] != '\n')) continue;
-    if (!is_safe_cell(text.substr(begin, at - begin))) return false;
-    begin = at + 1;
-    ++seen;
-    if (text[at] == '\n' && std::exchange(seen, 0) != cells) return false;
-  }
-  return begin == text.size() && seen == 0;
+  const auto is_control = [](char c) { return (static_cast<unsigned char>(c) < ' ' && c != '\n') || c == '\x7f'; };
+  return again == text && std::none_of(text.begin(), text.end(), is_control);
 }
 
 // Throws InputError unless the table is as to_json() makes it: a name that stays in the folder and leaves it those of
@@ -105,9 +92,8 @@ void require_own(const ordered_json& table) {
     throw InputError("a table of a name that jnd does not give");
   std::vector<std::string> names;
   for (const ordered_json& column : table.at("columns")) names.push_back(column.at(0).get<std::string>());
-  const auto header = csv_line(names);
-  if (table.at("header") != header || !is_safe_csv(header, names.size()) ||
-      !is_safe_csv(table.at("rows").get_ref<const std::string&>(), names.size()))
+  const auto& rows = table.at("rows").get_ref<const std::string&>();
+  if (table.at("header") != csv_line(names) || (!rows.empty() && !is_own_csv(csv_line(names) + rows, names)))
     throw InputError(fmt::format("a table {} that is not as jnd writes it", name));
 }
 

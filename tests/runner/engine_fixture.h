@@ -95,7 +95,9 @@ class RuleResponder final : public Responder {
     clock_.sleep_until_ns(clock_.now_ns() + 1'000'000'000);
     const std::optional<int> judgement = rule(question);
     if (!judgement) return std::nullopt;
-    return Answer{.said = *judgement, .entered_by = EnteredBy::participant, .response_time_s = 1.0};
+    Answer answer{.said = *judgement, .entered_by = EnteredBy::participant, .response_time_s = 1.0};
+    if (by_number) answer.number = *judgement;
+    return answer;
   }
   std::optional<std::string> reply(const Question& question, int condition) override {
     asked.push_back(question.id + "/" + std::to_string(condition));
@@ -106,6 +108,7 @@ class RuleResponder final : public Responder {
                                                                                                 : kClassSame);
   };
   std::vector<std::string> asked;
+  bool by_number = false;  // what the rule says is the number that is answered
 
  private:
   Clock& clock_;

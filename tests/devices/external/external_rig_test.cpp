@@ -231,7 +231,8 @@ TEST_CASE("a rig that cannot be started is told, and how often it was tried") {
 }
 
 TEST_CASE("what a rig says itself is in what is missing, but not while that is sealed") {
-  ExternalRig rig(settings_for({"sh", "-c", "echo 'presenting 575 N/m' >&2; exit 3"}), kSteady);
+  EmergencyStop stop;
+  ExternalRig rig(settings_for({"sh", "-c", "echo 'presenting 575 N/m' >&2; exit 3"}), kSteady, stop);
   while (rig.missing().find("it said last: presenting 575 N/m") == std::string::npos)
     (void)rig.wait(kSteady.now_ns() + 20'000'000);
   CHECK(rig.report().trouble.find("575") != std::string::npos);  // for the log

@@ -280,6 +280,13 @@ class Cluster(program.Case):
         self.write("slurm/refuse", "1000")
         self.assertIn("given up: shard 2;", self.cluster("run", "--follow", "--every", "0.05", plan=None, code=1).stderr)
 
+    def test_a_scheduler_that_prints_without_end_is_left(self):
+        self.cluster("run", "--shards", "4")
+        os.remove(self.slurm / "bin" / "sbatch")
+        self.write("slurm/bin/sbatch", "#!/bin/sh\nexec yes 1\n")
+        os.chmod(self.slurm / "bin" / "sbatch", 0o755)
+        self.assertIn("it printed more than 64 MB", self.cluster("run", "--submit", plan=None, code=1).stderr)
+
     def test_following_alone_submits_nothing_for_the_first_time(self):
         self.cluster("run", "--shards", "4")
         self.assertIn("never submitted: shards 1-4", self.cluster("run", "--follow", "--every", "0.05", plan=None, code=1).stderr)

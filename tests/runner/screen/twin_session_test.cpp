@@ -95,9 +95,10 @@ std::string shown_by(const Protocol& protocol, std::uint64_t seed, bool by_lines
   bench.plan = make_plan(protocol, 1, seed);
   bench.person = true;
   const int classes = static_cast<int>(protocol.task.classes.size());
+  bench.responder.by_number = classes == 0;
   bench.responder.rule = [&](const TrialQuestion& question) {
     if (task_of(protocol.task.kind).adjusts()) return question.look < 2 ? 1 : 2;  // more, more, accept
-    return question.trial.index % classes;
+    return classes == 0 ? 1 + question.trial.index : question.trial.index % classes;
   };
   prepare(bench);
   const Kept lines, events;
@@ -191,8 +192,8 @@ TEST_CASE("Two plans that look the same show the same to the last byte, in every
                              "\"event\":\"trial.voided\""})
       CHECK(twins.first.find(part) != std::string::npos);
   }
-  for (const TaskKind task :
-       {TaskKind::which, TaskKind::yes_no, TaskKind::identify, TaskKind::oddity, TaskKind::abx, TaskKind::adjust}) {
+  for (const TaskKind task : {TaskKind::which, TaskKind::yes_no, TaskKind::identify, TaskKind::oddity, TaskKind::abx,
+                              TaskKind::magnitude, TaskKind::adjust}) {
     CAPTURE(to_string(task));
     const Twins twins = shown_by_twins(testing::few_trials(task, 12), false, delivers_as_asked);
     CHECK(twins.first == twins.second);
@@ -246,6 +247,21 @@ TEST_CASE("What is named as unavoidable shows nothing beside itself") {
         true);
     CHECK(twins.first != twins.second);
     CHECK(replaced(twins.first, "Press hard.", "Press soft.") == replaced(twins.second, "Press hard.", "Press soft."));
+  }
+  SECTION("groups") {
+    const Protocol protocol = rich_protocol({{"practice", nullptr},
+                                             {"groups",
+                                              {{{"name", "one"}, {"label", "one"}, {"conditions", {"S"}}},
+                                               {{"name", "two"}, {"label", "two"}, {"conditions", {"V"}}}}}});
+    std::uint64_t other = 2;
+    while (test::letters_of(protocol, other, 1).front() == test::letters_of(protocol, 1, 1).front()) ++other;
+    for (const bool by_lines : {false, true}) {
+      const Twins twins = {shown_by(protocol, 1, by_lines, delivers_as_asked),
+                           shown_by(protocol, other, by_lines, delivers_as_asked)};
+      CHECK(twins.first != twins.second);
+      CHECK(replaced(twins.first, "condition A", "condition B") ==
+            replaced(twins.second, "condition A", "condition B"));
+    }
   }
   SECTION("the length of a track") {
     const auto ends_after = [](const Json& stop) {
