@@ -32,8 +32,7 @@ class Hold {
   // A straight way from the present force to that of the command.
   void press(const DeviceCommand& command) {
     if (held_.force_n == 0 && !link_.make_ready())
-      throw DeviceError(fmt::format("the device does not become active; faults: {}; run jnd device test",
-                                    fault_words(link_.telemetry().faults)));
+      throw DeviceError(fmt::format("the device does not become active ({}); run jnd device test", trouble()));
     const double from_n = held_.force_n;
     const int ticks = std::max(1, static_cast<int>(std::ceil(std::abs(command.force_n - from_n) / kRamp_n_per_tick)));
     for (int i = 1; i <= ticks; ++i) {
@@ -51,12 +50,17 @@ class Hold {
       return;
     }
     if (link_.tick(held_).fault == Fault::none) return;
-    const std::string faults = fault_words(link_.telemetry().faults);
-    throw DeviceError(fmt::format("the device stopped while it pressed ({}{}{}); run jnd device test",
-                                  to_string(link_.fault()), faults.empty() ? "" : ": ", faults));
+    throw DeviceError(fmt::format("the device stopped while it pressed ({}); run jnd device test", trouble()));
   }
 
  private:
+  // What this program saw, and what the device says of itself: "stale_reading", "device_fault: watchdog".
+  std::string trouble() const {
+    const std::string faults = fault_words(link_.telemetry().faults);
+    const std::string seen(link_.fault() == Fault::none && !faults.empty() ? "" : to_string(link_.fault()));
+    return seen + (seen.empty() || faults.empty() ? "" : ": ") + faults;
+  }
+
   BenchLink& link_;
   DeviceCommand held_;
 };

@@ -153,6 +153,18 @@ TEST_CASE("nothing before the platform is no stiffness") {
   CHECK_THROWS_AS(take_stiffness(lab.link, {}, {}, 700, 4.7), DeviceError);
 }
 
+TEST_CASE("a device that falls silent before it presses is named with what was seen of it") {
+  Lab lab;
+  lab.device.spoil = [&](jnd::testing::HidReport& report) {
+    jnd_telemetry telemetry{};
+    lab.device.frozen = jnd_decode_telemetry(report.data(), report.size(), &telemetry) == JND_DECODE_OK &&
+                        telemetry.state == JND_STATE_ACTIVE;
+  };
+  Typist typist(lab.device, {});
+  CHECK_THROWS_WITH(take_forces(lab.link, {}, pushes({1}), false, typist),
+                    "the device does not become active (stale_reading); run jnd device test");
+}
+
 TEST_CASE("an aborted calibration leaves the device as it was, and at rest") {
   Lab lab;
   PageExchange pages(lab.device, "it");
