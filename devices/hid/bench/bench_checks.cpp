@@ -63,8 +63,7 @@ void check_stop(BenchLink& link, const jnd_identity& identity, const std::string
   Check check{.what = what, .verdict = Verdict::bad};
   check.limit = fmt::format("stopped by its watchdog within {} ms", identity.watchdog_ms + kSlack_ms);
   if (!link.make_ready()) {
-    check.found = fmt::format("did not become active: {}, faults: {}", state_word(link.telemetry().state),
-                              none_or(fault_words(link.telemetry().faults)));
+    check.found = link.trouble();
     checks.push_back(check);
     (void)link.rest();
     return;
@@ -233,13 +232,6 @@ void check_refusals(BenchLink& link, const jnd_identity& identity, Checks& check
 
 namespace {
 
-std::string trouble(const BenchLink& link) {
-  const std::string words = fault_words(link.telemetry().faults);
-  const std::string what =
-      link.fault() == Fault::none ? "did not become active" : fmt::format("ended by {}", to_string(link.fault()));
-  return what + (words.empty() ? "" : ": " + words);
-}
-
 // Force as measured while something goes on.
 struct ForceWatch {
   double sum = 0, largest = 0;
@@ -278,7 +270,7 @@ void check_force(BenchLink& link, Checks& checks) {
   link.watch({});
   well = well && ramp(link, kTestForce_n, 0, kRamp_ticks / 4);
   Check check = measured(fmt::format("force of {:g} N", kTestForce_n),
-                         well ? fmt::format("{:.3f} N", held.mean()) : trouble(link),
+                         well ? fmt::format("{:.3f} N", held.mean()) : link.trouble(),
                          fmt::format("{:g} N ± {:g} N, on a finger or a reference", kTestForce_n, kTolerance_n),
                          well && std::abs(held.mean() - kTestForce_n) <= kTolerance_n);
   if (well && std::abs(held.mean()) < kNothing_n) {
@@ -310,7 +302,8 @@ void check_vibration(BenchLink& link, Checks& checks) {
   well = well && ramp(link, 0, 0, kAfter_ticks);
   after_g = kMilli * link.telemetry().vibration_mg;
   checks.push_back(measured(
-      "vibration burst of 100 ms", well ? fmt::format("{:.3f} g, {:.3f} g afterwards", last_g, after_g) : trouble(link),
+      "vibration burst of 100 ms",
+      well ? fmt::format("{:.3f} g, {:.3f} g afterwards", last_g, after_g) : link.trouble(),
       fmt::format("{:.3f} g ± {:g} %, then below {:g} g", command.vibration_g, 100 * kTolerance, spec.min_vibration_g),
       well && std::abs(last_g / command.vibration_g - 1) <= kTolerance && after_g < spec.min_vibration_g));
 }

@@ -8,6 +8,7 @@
 
 #include "devices/device_error.h"
 #include "devices/hid/report_units.h"
+#include "devices/hid/report_words.h"
 
 namespace jnd {
 
@@ -142,6 +143,13 @@ bool BenchLink::make_ready() {
   for (std::int64_t i = 0; i <= kSoftStart_ns / kTick_ns; ++i)
     if (tick(push(0)).fault != Fault::none) return false;
   return telemetry().state == JND_STATE_ACTIVE;
+}
+
+std::string BenchLink::trouble() const {
+  const std::string faults = fault_words(telemetry().faults);
+  return (fault() == Fault::none ? fmt::format("did not become active: {}", state_word(telemetry().state))
+                                 : fmt::format("ended by {}", to_string(fault()))) +
+         (faults.empty() ? "" : ", faults: " + faults);
 }
 
 DeviceCommand BenchLink::push(double force_n) {

@@ -7,6 +7,7 @@
 #include <functional>
 #include <span>
 #include <stdexcept>
+#include <string>
 #include <utility>
 
 #include "devices/clock.h"
@@ -76,6 +77,8 @@ class BenchLink {
   const ReportCounter& counter() const noexcept { return counter_; }
   std::int64_t damaged() const noexcept { return damaged_; }  // reports that were none of the protocol's
   Fault fault() const noexcept { return governor_.fault(); }
+  // Why make_ready() or a push failed: "did not become active: stopped, faults: watchdog", "ended by stale_reading".
+  std::string trouble() const;
   const DeviceSpec& spec() const noexcept { return spec_; }
   std::int64_t now_ns() const noexcept { return clock_.now_ns(); }
 

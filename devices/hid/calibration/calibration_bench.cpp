@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "devices/device_error.h"
-#include "devices/hid/report_words.h"
 #include "protocols/input/input_error.h"
 
 namespace jnd {
@@ -32,7 +31,7 @@ class Hold {
   // A straight way from the present force to that of the command.
   void press(const DeviceCommand& command) {
     if (held_.force_n == 0 && !link_.make_ready())
-      throw DeviceError(fmt::format("the device does not become active ({}); run jnd device test", trouble()));
+      throw DeviceError(fmt::format("the device cannot press ({}); run jnd device test", link_.trouble()));
     const double from_n = held_.force_n;
     const int ticks = std::max(1, static_cast<int>(std::ceil(std::abs(command.force_n - from_n) / kRamp_n_per_tick)));
     for (int i = 1; i <= ticks; ++i) {
@@ -50,17 +49,10 @@ class Hold {
       return;
     }
     if (link_.tick(held_).fault == Fault::none) return;
-    throw DeviceError(fmt::format("the device stopped while it pressed ({}); run jnd device test", trouble()));
+    throw DeviceError(fmt::format("the device stopped while it pressed ({}); run jnd device test", link_.trouble()));
   }
 
  private:
-  // What this program saw, and what the device says of itself: "stale_reading", "device_fault: watchdog".
-  std::string trouble() const {
-    const std::string faults = fault_words(link_.telemetry().faults);
-    const std::string seen(link_.fault() == Fault::none && !faults.empty() ? "" : to_string(link_.fault()));
-    return seen + (seen.empty() || faults.empty() ? "" : ": ") + faults;
-  }
-
   BenchLink& link_;
   DeviceCommand held_;
 };

@@ -162,7 +162,7 @@ TEST_CASE("a device that falls silent before it presses is named with what was s
   };
   Typist typist(lab.device, {});
   CHECK_THROWS_WITH(take_forces(lab.link, {}, pushes({1}), false, typist),
-                    "the device does not become active (stale_reading); run jnd device test");
+                    "the device cannot press (ended by stale_reading); run jnd device test");
 }
 
 TEST_CASE("an aborted calibration leaves the device as it was, and at rest") {
