@@ -33,7 +33,7 @@ inline bool differ_behind_letters(const Protocol& protocol, std::uint64_t a, std
     const Plan one = make_plan(protocol, number, a), other = make_plan(protocol, number, b);
     trials += one.trials.size();
     for (std::size_t i = 0; i < one.trials.size(); ++i)
-      differ += (protocol.task.classes.empty() || one.trials[i].target != other.trials[i].target) &&
+      differ += (one.trials[i].target < 0 || one.trials[i].target != other.trials[i].target) &&
                 one.trials[i].stimuli != other.trials[i].stimuli;
   }
   return 4 * differ >= trials;

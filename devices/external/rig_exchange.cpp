@@ -225,15 +225,15 @@ void RigExchange::take(const RigAnswer& answer, std::int64_t now_ns) {
 }
 
 void RigExchange::take(const RigFault& fault, std::int64_t now_ns) {
-  const std::string cause = ascii_quote(fault.cause);
+  const std::string words = "the rig says: " + ascii_quote(fault.cause);
   if (!fault.id) {
     emit({now_ns, fault});
-    end(RigFailure::rig_fault, "the rig says: " + cause, now_ns, "the rig reports a fault");
+    end(RigFailure::rig_fault, words, now_ns, "the rig reports a fault");
     return;
   }
   if (question_ != 0 && *fault.id == question_) {
     emit({now_ns, fault});
-    void_question(RigFailure::rig_fault, "the rig says: " + cause, now_ns);
+    void_question(RigFailure::rig_fault, words, now_ns);
     return;
   }
   if (std::string why = wrong_state("fault", *fault.id, true); !why.empty()) {
@@ -241,7 +241,7 @@ void RigExchange::take(const RigFault& fault, std::int64_t now_ns) {
     return;
   }
   emit({now_ns, fault});
-  void_presentation(RigFailure::rig_fault, "the rig says: " + cause, now_ns);
+  void_presentation(RigFailure::rig_fault, words, now_ns);
   rest();
 }
 

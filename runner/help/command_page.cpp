@@ -41,6 +41,7 @@ constexpr auto kValues = std::to_array<std::pair<std::string_view, std::string_v
     {"--level", "COLUMN"},
     {"--memory", "SIZE"},
     {"--methods", "FILE"},
+    {"--no-answer", "WORD"},
     {"--operator", "NAME"},
     {"--order", "COLUMN"},
     {"--out", "FILE"},

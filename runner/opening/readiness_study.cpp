@@ -36,7 +36,7 @@ struct Classes {
   int same = 0, different = 0;
 };
 
-// Cells are counted, not named: the operator is not to know what comes.
+// What chance gave this participant tells of the trials to come, even where cells are only counted.
 void judge_cells(const Protocol& protocol, const Plan& plan, Check& check) {
   if (protocol.task.kind != TaskKind::same_different) return;
   std::map<std::pair<int, int>, Classes> cells;  // by series and condition
@@ -56,7 +56,7 @@ void judge_cells(const Protocol& protocol, const Plan& plan, Check& check) {
              fmt::format("{} of {} cells do not have as many same as different trials, as the design asks", unequal,
                          cells.size()),
              "run jnd verify; the plan is not the protocol's");
-  if (one_sided > 0)
+  if (one_sided > 0 && !protocol.blinded)
     complain(check, Verdict::warn,
              fmt::format("{} of {} cells have same or different trials only: d' cannot be computed there", one_sided,
                          cells.size()),

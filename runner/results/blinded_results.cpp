@@ -62,7 +62,9 @@ BlindedParticipant summed(Tally tally, const Protocol& protocol) {
 }
 
 BlindedGroup together(BlindedGroup row) {
-  if (row.n < kFewestTogether) row.mean = row.ci_low = row.ci_high = kNaN;
+  if (row.n >= kFewestTogether) return row;
+  row.n.reset();
+  row.mean = row.ci_low = row.ci_high = kNaN;
   return row;
 }
 

@@ -2,6 +2,7 @@
 // Nothing here names a condition, a stimulus or the seed, and nothing says how well a single participant does.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -31,8 +32,10 @@ struct BlindedParticipant {
 // One condition, all participants together.
 struct BlindedGroup {
   std::string code;
-  int n = 0, of = 0;  // participants with a threshold, and with any data
-  double mean = 0;    // JND or adaptive threshold, in the study's unit; NaN where fewer than kFewestTogether have one
+  // Participants with a threshold; nothing where they are fewer than kFewestTogether: their number tells of answers.
+  std::optional<int> n;
+  int of = 0;                      // participants with data
+  double mean = 0;                 // JND or adaptive threshold, in the study's unit; NaN where there is no n
   double ci_low = 0, ci_high = 0;  // 95 %; NaN where there is none
 };
 

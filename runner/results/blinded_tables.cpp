@@ -97,14 +97,14 @@ Fields<BlindedGroup> blinded_group_fields(const Protocol& protocol) {
   const int digits = stiffness_decimals(protocol);
   return {F("code", "letter of the condition on the operator's console", &R::code,
             {.column = "condition_code", .title = "condition"}),
-          F("n", "participants with a " + what, &R::n),
+          F("n", fmt::format("participants with a {}; empty below {}", what, kFewestTogether), &R::n),
           F("of", "participants with data", &R::of),
-          F("mean", fmt::format("mean {}; empty below {} participants", what, kFewestTogether), &R::mean,
+          F("mean", fmt::format("their mean {}", what), &R::mean,
             {.unit = unit, .title = fmt::format("mean {} {}", what, unit), .digits = digits}),
           F("ci_low", "lower end of its 95 % confidence interval", &R::ci_low, {.unit = unit, .digits = digits}),
           F("ci_high", "upper end of its 95 % confidence interval", &R::ci_high, {.unit = unit, .digits = digits}),
           beside<R>("unit", [unit](const R&) { return unit; }),
-          beside<R>("status", [](const R& r) { return std::isnan(r.mean) ? "too_few_participants" : "ok"; })};
+          beside<R>("status", [](const R& r) { return r.n ? "ok" : "too_few_participants"; })};
 }
 
 }  // namespace jnd

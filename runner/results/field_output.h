@@ -70,8 +70,10 @@ class TableMaker {
   TableColumn<Row> share(std::string_view part, std::string_view whole, std::string title,
                          const std::string& between = " of ") const {
     const Field<Row>&a = field_of(fields_, part), &b = field_of(fields_, whole);
-    return {{std::move(title), true},
-            [&a, &b, between](const Row& row) { return text(a, row) + between + text(b, row); }};
+    return {{std::move(title), true}, [&a, &b, between](const Row& row) {
+              const std::string shown = text(a, row);
+              return (shown.empty() ? "-" : shown) + between + text(b, row);
+            }};
   }
   TableColumn<Row> words(std::string title, std::function<std::string(const Row&)> text, bool number = false) const {
     return {{std::move(title), number}, std::move(text)};

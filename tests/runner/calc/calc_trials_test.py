@@ -114,7 +114,7 @@ class Trials(program.Case):
 
         few = [("P01", "S", x, 1, k) for x, k in ((0, 0), (0, 1), (100, 0), (200, 1), (300, 1))]  # 2 same, 3 differences
         ours, = self.lines("jnd", "--reference", "900", *COLUMNS, text=table(trials(few, "different", "same")))
-        self.assertAlmostEqual(ours["ml_yes_no_common"]["jnd"], 146.838707083, places=6)  # R: glm(binomial(probit))
+        self.assertAlmostEqual(ours["ml_yes_no_common"]["jnd"], 146.838707, places=5)  # R: glm(binomial(probit))
 
     def test_absolute_levels_are_differences_from_the_standard(self):
         rows = [(subj, cond, 900 + stim, answer) for subj, cond, stim, answer in

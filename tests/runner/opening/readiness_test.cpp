@@ -177,6 +177,9 @@ TEST_CASE("the plan is the participant's own, balanced, and within the cohort") 
   random.design.sampling = Sampling::random;
   Plan one_sided = plan;
   for (Trial& trial : one_sided.trials) trial.target = kClassSame;
+  random.blinded = true;
+  CHECK(check_plan_balance(random, one_sided).verdict == Verdict::ok);
+  random.blinded = false;
   const Check lopsided = check_plan_balance(random, one_sided);
   CHECK(lopsided.verdict == Verdict::warn);
   CHECK(contains(lopsided.found, "9 of 9 cells have same or different trials only"));

@@ -259,8 +259,10 @@ TEST_CASE("What is named as unavoidable shows nothing beside itself") {
       const Twins twins = {shown_by(protocol, 1, by_lines, delivers_as_asked),
                            shown_by(protocol, other, by_lines, delivers_as_asked)};
       CHECK(twins.first != twins.second);
-      CHECK(replaced(twins.first, "condition A", "condition B") ==
-            replaced(twins.second, "condition A", "condition B"));
+      const auto without_letter = [](const std::string& text) {
+        return replaced(replaced(text, "condition A", "condition B"), "% A", "% B");
+      };
+      CHECK(without_letter(twins.first) == without_letter(twins.second));
     }
   }
   SECTION("the length of a track") {
@@ -270,8 +272,8 @@ TEST_CASE("What is named as unavoidable shows nothing beside itself") {
                            {{"design", {{"procedure", {{"averaged_reversals", 2}, {"stop", stop}}}}}}),
           false);
     };
-    const Twins told = ends_after({{"reversals", 3}, {"at_most", 20}}),
-                twins = ends_after({{"reversals", nullptr}, {"at_most", nullptr}, {"trials", 8}});
+    const Twins told = ends_after({{"trials", nullptr}, {"reversals", 3}, {"at_most", 20}}),
+                twins = ends_after({{"trials", 8}});
     CHECK(told.first != told.second);
     CHECK(twins.first == twins.second);
   }

@@ -68,6 +68,7 @@ class Sessions(program.Case):
         self.session("--kind", "pilot", "--fast", *ANYWAY, input=" " + (" " * 3 + "1") * 36)
 
     def test_on_specimens_a_person_at_the_keys_is_real(self):
+        self.on_disk = True
         self.protocol("which", "specimens", 2, explore_s=0.5, gap_s=0, between_trials_s=0)
         run = ("run", "study.json", "--study", "s.sqlite", "--participant", "P01", "--plain", "--seed", 4, *ANYWAY)
         self.says(self.jnd(*run, "--fast", code=program.USAGE).said, "--kind pilot for a rehearsal")

@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "devices/device_error.h"
+#include "devices/machine/peer_user.h"
 #include "tests/catch.h"
 #include "tests/temporary_folder.h"
 #include "tests/text_checks.h"
