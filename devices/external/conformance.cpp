@@ -23,7 +23,7 @@ constexpr double kExploreSlack_s = 0.1;
 constexpr double kNoContact_s = 10;  // a person has to find the object
 constexpr double kStopAfter_s = 0.2;
 constexpr double kHold_s = 1;  // from "ready" to "present", where the operator takes a while
-constexpr int kWatched = 20;                                 // answers to "alive", while the rig is only looked at
+constexpr int kWatched = 20;   // answers to "alive", while the rig is only looked at
 constexpr std::uint64_t kForeignId = 4'000'000'000'000'000;  // that no presentation has
 
 std::string parameter_text(const RigParameter& parameter) {

@@ -17,8 +17,8 @@
 
 #include "data/files/descriptor.h"
 #include "devices/clock.h"
-#include "devices/machine/peer_user.h"
 #include "devices/machine/io_thread.h"
+#include "devices/machine/peer_user.h"
 #include "protocols/input/input_error.h"
 #include "protocols/version.h"
 
