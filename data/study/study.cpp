@@ -444,7 +444,7 @@ void Study::Impl::set_durability(SessionKind kind) {
 
 // SQLite itself would do it within the commit, before anybody has looked whether the study is whole. Where it fails the
 // log stays, and nothing is lost.
-void Study::Impl::shorten_log() {
+void Study::Impl::shorten_log() const {
   if (StudyFiles::log_length(database()) >= (people ? kCheckpointPages : kCheckpointPagesSimulated))
     sqlite3_wal_checkpoint_v2(database().getHandle(), "main", SQLITE_CHECKPOINT_PASSIVE, nullptr, nullptr);
 }

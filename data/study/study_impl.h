@@ -95,7 +95,7 @@ struct Study::Impl {
   void add_study_event(std::string_view kind, const std::string& body, Stamp stamp);
   void set_durability(SessionKind kind);
   void synchronize(bool full);
-  void shorten_log();
+  void shorten_log() const;
   std::vector<Event> events(const std::string& session) const;
   std::vector<TelemetryBlob> telemetry(const std::string& session, std::int64_t seq) const;
   std::vector<SessionInfo> sessions() const;

@@ -139,7 +139,7 @@ class RigExchange {
  private:
   enum class State { idle, preparing, ready, due, presenting, stopping };  // due: "present" waits for an answer
 
-  void take(const RigHello& hello, std::int64_t now_ns);
+  void take(const RigHello& told, std::int64_t now_ns);
   void take(const RigReady& ready, std::int64_t now_ns);
   void take(const RigContact& contact, std::int64_t now_ns);
   void take(const RigDone& done, std::int64_t now_ns);
