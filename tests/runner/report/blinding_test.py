@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """What a blinded study gives away: every command in every format is searched for conditions, stimuli and the seed."""
 import collections
+import concurrent.futures
 import json
 import os
 import re
@@ -304,7 +305,7 @@ class Twins(program.Case):
 
     def given(self, name, arguments):
         """Exit code, both streams, and every file but studies. Hashes are masked by their form, and nothing else is."""
-        place = self.folder / "place"
+        place = self.folder / name
         shutil.rmtree(place, ignore_errors=True)
         place.mkdir()
         for study in ("s", "other"):
@@ -313,14 +314,17 @@ class Twins(program.Case):
         done = program.run(*arguments, folder=place, code=None, env={"BROWSER": "true"})
         files = [f"{path.relative_to(place)}\n" + ("" if path.read_bytes().startswith(b"SQLite format") else path.read_text())
                  for path in sorted(place.rglob("*")) if path.is_file()]
-        return re.sub(r"\b[0-9a-f]{64}\b", "HASH", "\n".join([str(done.returncode), done.stdout, done.stderr, *files]))
+        text = "\n".join([str(done.returncode), done.stdout, done.stderr, *files]).replace(str(place), "PLACE")
+        return re.sub(r"\b[0-9a-f]{64}\b", "HASH", text)
 
     def both(self, arguments):
         """Of both studies, within the same minute of what `watch` counts since a session began."""
         minute = lambda: (time.time() - BEGAN) // 60
         began, texts = None, []
         while began != minute():
-            began, texts = minute(), [self.given(study, arguments) for study in "ab"]
+            began = minute()
+            with concurrent.futures.ThreadPoolExecutor() as both:  # at once: `run` measures the machine for a second
+                texts = list(both.map(lambda study: self.given(study, arguments), "ab"))
         return texts
 
     def calls(self):
