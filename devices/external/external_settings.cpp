@@ -78,7 +78,7 @@ ExternalSettings read_external_settings(const JsonNode& node, const std::filesys
     } catch (const InputError& error) {
       reader.error("token", error.what());
     }
-  } else if (settings.port != 0) {
+  } else if (settings.port != 0 && given == 1) {
     reader.error("port", "needs \"token\": any user of this machine can listen on a port",
                  "name a file of mode 0600 whose text the rig's hello carries, or use \"socket\"");
   }
