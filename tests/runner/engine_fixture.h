@@ -50,8 +50,20 @@ class IdealRig final : public Rig {
  public:
   explicit IdealRig(Clock& clock) : clock_(clock) {}
   const RigInfo& info() const noexcept override { return info_; }
+  void watch(const std::function<void(const LoopSnapshot&)>& look) override { look_ = look; }
   Presentation present(const PresentRequest& request) override {
-    clock_.sleep_until_ns(clock_.now_ns() + static_cast<std::int64_t>(request.explore_s * 1e9));
+    const auto explore_ns = static_cast<std::int64_t>(request.explore_s * 1e9);
+    const std::int64_t over_ns = clock_.now_ns() + explore_ns;
+    for (const int quarters_left : {3, 2, 1}) {
+      if (!looks || !look_) break;
+      clock_.sleep_until_ns(over_ns - quarters_left * explore_ns / 4);
+      const double elapsed_s = (4 - quarters_left) * request.explore_s / 4;
+      look_({.ticks = std::llround(1000 * elapsed_s),
+             .elapsed_s = elapsed_s,
+             .lateness_max_us = 90,
+             .contact = quarters_left == 2});
+    }
+    clock_.sleep_until_ns(over_ns);
     Presentation presentation;
     presentation.fault = fault(request);
     if (presentation.fault == Fault::emergency_stop) presentation.stopped_by = stopped_by;
@@ -79,11 +91,13 @@ class IdealRig final : public Rig {
   std::function<double(const PresentRequest&)> saturated_share = [](const PresentRequest&) { return 0.0; };
   std::function<int(const PresentRequest&)> contacts = [](const PresentRequest&) { return 0; };
   std::function<std::int64_t(const PresentRequest&)> ready = [](const PresentRequest&) { return std::int64_t{0}; };
+  bool looks = false;  // tells how an interval goes on
   int neutral_calls = 0;
   std::string stopped_by;  // with an emergency stop
 
  private:
   Clock& clock_;
+  std::function<void(const LoopSnapshot&)> look_;
   RigInfo info_{.name = "ideal", .mode = "ideal", .tracker = "none", .sha256 = "", .simulated = true};
 };
 

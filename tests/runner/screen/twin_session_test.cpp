@@ -96,7 +96,8 @@ std::string shown_by(const Protocol& protocol, std::uint64_t seed, bool by_lines
   bench.person = true;
   const int classes = static_cast<int>(protocol.task.classes.size());
   bench.responder.by_number = classes == 0;
-  bench.responder.rule = [&](const TrialQuestion& question) {
+  bench.responder.rule = [&, silent = true](const TrialQuestion& question) mutable -> std::optional<int> {
+    if (question.trial.index == 3 && std::exchange(silent, false)) return std::nullopt;
     if (task_of(protocol.task.kind).adjusts()) return question.look < 2 ? 1 : 2;  // more, more, accept
     return classes == 0 ? 1 + question.trial.index : question.trial.index % classes;
   };
@@ -142,11 +143,13 @@ Twins shown_by_twins(
 
 // A rig whose limits are met, whose device gets lost and whose program talks, all as the stimulus is.
 void delivers_as_asked(test::Bench& bench) {
+  bench.rig.looks = true;
   bench.rig.saturated_share = [](const PresentRequest& request) {
     return request.stimulus.stiffness > 800 && request.stimulus.cues.force ? 0.2 : 0;
   };
   bench.rig.fault = [&bench](const PresentRequest& request) {
     bench.rig.said = fmt::format(", and said last: presenting {} N/m", request.stimulus.stiffness);
+    if (request.id.trial == 7 && request.id.attempt == 1) return Fault::no_contact;
     if (request.id.trial != 5 || request.id.attempt != 1) return Fault::none;
     bench.rig.gone_until_ns = bench.clock.now_ns() + 1'000'000'000;
     return Fault::device_lost;
