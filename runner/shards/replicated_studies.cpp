@@ -68,15 +68,19 @@ DictionaryRow dictionary_row(const std::string& file, const ordered_json& column
 
 // Whether a text is as csv_line() writes it, with cells that no spreadsheet runs and no terminal obeys.
 bool is_own_csv(const std::string& text, const std::vector<std::string>& columns) {
-  const CsvTable table = CsvTable::parse(text, "the table", columns);
   std::string again = csv_line(columns);
-  for (std::size_t row = 0; row < table.rows(); ++row) {
-    std::vector<std::string> cells;
-    for (const std::string& column : columns) {
-      const std::string cell(table.text(row, column));
-      cells.push_back(cell == "-Inf" ? cell : csv_text(cell));
+  try {
+    const CsvTable table = CsvTable::parse(text, "the table", columns);
+    for (std::size_t row = 0; row < table.rows(); ++row) {
+      std::vector<std::string> cells;
+      for (const std::string& column : columns) {
+        const std::string cell(table.text(row, column));
+        cells.push_back(cell == "-Inf" ? cell : csv_text(cell));
+      }
+      again += csv_line(cells);
     }
-    again += csv_line(cells);
+  } catch (const InputError&) {
+    return false;
   }
   const auto is_control = [](char c) { return (static_cast<unsigned char>(c) < ' ' && c != '\n') || c == '\x7f'; };
   return again == text && std::none_of(text.begin(), text.end(), is_control);

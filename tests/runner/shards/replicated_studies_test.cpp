@@ -211,7 +211,7 @@ TEST_CASE("shards of other studies are refused", "[shards][replicated]") {
                         auto& rows = shard.result[0]["rows"].get_ref<std::string&>();
                         rows.replace(0, rows.find(','), cell);
                       }),
-               Catch::Contains("(make it again)"));
+               Catch::Contains("not as jnd writes it"));
 }
 
 }  // namespace jnd
