@@ -78,18 +78,8 @@ std::vector<HierarchicalCell> drawn_answers(std::span<const HierarchicalCell> ce
 EqualityBootstrap equality_bootstrap(std::span<const HierarchicalCell> cells, const HierarchicalModel& model,
                                      const HierarchicalFit& fit, int replicates, std::uint64_t seed, int threads,
                                      const std::function<void(int)>& progress) {
-  const std::size_t conditions = fit.conditions.size();
-  const SearchRange range = search_range(cells, model.response);
   HierarchicalModel drawn_model = model;
   drawn_model.shared = fit.common.shared;
-  HierarchicalForm free = HierarchicalForm::separate(conditions), common = HierarchicalForm::common(conditions);
-  const auto in_model = [](SpreadStatus status) { return status == SpreadStatus::ok || status == SpreadStatus::zero; };
-  free.tu = common.tu = in_model(fit.tu);
-  free.tv = common.tv = in_model(fit.tv);
-  free.tw = common.tw = in_model(fit.tw);
-  free.rho = common.rho = model.rho && free.tu && free.tw;
-  free.lowest = common.lowest = range.lowest();
-  free.highest = common.highest = range.highest();
   std::atomic<int> next{0}, as_large{0};
   int done = 0;
   std::mutex mutex;
@@ -100,12 +90,8 @@ EqualityBootstrap equality_bootstrap(std::span<const HierarchicalCell> cells, co
         stop_if_requested();
         const std::vector<HierarchicalCell> drawn =
             drawn_answers(cells, drawn_model, fit.common.place, seed, static_cast<std::uint64_t>(i));
-        HierarchicalLikelihood likelihood(drawn, drawn_model.response, drawn_model.shared, kRoughFineness);
-        const HierarchicalMaximum one =
-            maximise(likelihood, common, fit.common.place, range.criterion_unit, kRoughlyNegligible);
-        const HierarchicalMaximum each =
-            maximise(likelihood, free, one.place, range.criterion_unit, kRoughlyNegligible);
-        if (2 * (each.log_likelihood - one.log_likelihood) >= fit.lr) ++as_large;
+        HierarchicalAnalysis analysis(drawn, drawn_model, SearchEffort::drawn, &fit.common.place);
+        if (analysis.equal_lr() >= fit.lr) ++as_large;
         const std::lock_guard lock(mutex);
         ++done;
         if (progress) progress(done);

@@ -1,24 +1,32 @@
 #include "analysis/hierarchical/hierarchical_fit.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <exception>
+#include <map>
+#include <mutex>
 #include <numeric>
 #include <set>
+#include <thread>
 #include <utility>
 
-#include "analysis/hierarchical/hierarchical_information.h"
-#include "analysis/numerics/box_newton.h"
-#include "analysis/numerics/profile_interval.h"
+#include "analysis/numerics/long_work.h"
 #include "analysis/numerics/tail_probabilities.h"
 
 namespace jnd {
 
 namespace {
 
-// Of ln L at a point of a profile, and at the first, from where the end is only seen; and of the end, 1 + its value.
-constexpr double kNegligibleInProfile = 2e-6, kNegligibleAtFirst = 1e-4, kCloseEnough = 1e-4;
-constexpr double kNegligibleShared = 1e-9;  // of ln L, which is flat along lapses and means together
 constexpr double kFirstSpread = 0.3, kFirstSpreadWithin = 0.15;  // where a search begins
+// Of drawn studies: a likelihood of that fineness errs by a few 1e-4 of ln L, and by much less in its slopes.
+constexpr double kRoughFineness = 0.75, kRoughlyNegligible = 1e-4;
+// Of ln L: what nodes may err by, how much denser they are to tell, and how dense at most.
+constexpr double kExact = 1e-6, kDenser = 1.5, kDensest = 3.5;
+constexpr int kMostRestarts = 6;  // because a larger likelihood was come upon
+// Of HierarchicalLikelihood::work(), about 20 s of one processor: for a search of everything, and for the whole of
+// complete(), each of whose numbers gets its share.
+constexpr double kMostOfFit = 4e9, kMostOfAll = 8e9;
 
 double trials_of(std::span<const HierarchicalCell> cells) {
   return std::accumulate(cells.begin(), cells.end(), 0.0,
@@ -32,18 +40,45 @@ std::vector<HierarchicalCell> of_condition(std::span<const HierarchicalCell> cel
   return chosen;
 }
 
+constexpr std::array kSpreads = {&HierarchicalPlace::tu, &HierarchicalPlace::tv, &HierarchicalPlace::tw};
+constexpr std::array kSpreadsOfForm = {&HierarchicalForm::tu, &HierarchicalForm::tv, &HierarchicalForm::tw};
+
 }  // namespace
 
-HierarchicalAnalysis::HierarchicalAnalysis(std::vector<HierarchicalCell> cells, const HierarchicalModel& model)
-    : cells_(std::move(cells)),
+SlopeStatus counted_status(std::span<const HierarchicalCell> cells) {
+  double positive = 0, negative = 0, highest_negative = -kInf, lowest_positive = kInf;
+  std::set<double> levels;
+  for (const HierarchicalCell& cell : cells) {
+    if (cell.counts().trials() == 0) continue;
+    levels.insert(cell.level);
+    positive += cell.positive;
+    negative += cell.negative;
+    if (cell.positive > 0) lowest_positive = std::min(lowest_positive, cell.level);
+    if (cell.negative > 0) highest_negative = std::max(highest_negative, cell.level);
+  }
+  if (levels.empty()) return SlopeStatus::missing;
+  if (positive == 0 || negative == 0) return SlopeStatus::one_answer;
+  if (levels.size() == 1) return SlopeStatus::one_level;
+  return highest_negative < lowest_positive ? SlopeStatus::perfect : SlopeStatus::ok;
+}
+
+HierarchicalAnalysis::HierarchicalAnalysis(std::vector<HierarchicalCell> cells, const HierarchicalModel& model,
+                                           SearchEffort effort, const HierarchicalPlace* near)
+    : cells_(cells),
+      answered_(std::move(cells)),
       model_(model),
-      range_(search_range(cells_, model.response)),
-      likelihood_(cells_, model.response, model.shared) {
-  const std::size_t conditions = likelihood_.conditions();
-  fit_.participants = likelihood_.participants();
-  fit_.trials = trials_of(cells_);
+      effort_(effort),
+      range_(search_range(answered_, model.response)),
+      fineness_(effort == SearchEffort::drawn ? kRoughFineness : 1) {
+  leave_out();
   find_spreads();
-  form_ = model.one_mean ? HierarchicalForm::common(conditions) : HierarchicalForm::separate(conditions);
+  const std::size_t conditions = fit_.conditions.size();
+  form_ = HierarchicalForm::common(conditions);
+  int means = 0;
+  for (std::size_t c = 0; c < conditions; ++c) {
+    form_.of[c] = !kept(c) ? -1 : model.one_mean ? 0 : means++;
+    form_.held_criteria.push_back(!kept(c));
+  }
   const auto estimated = [](SpreadStatus status) { return status == SpreadStatus::ok; };
   form_.tu = estimated(fit_.tu);
   form_.tv = estimated(fit_.tv);
@@ -51,61 +86,208 @@ HierarchicalAnalysis::HierarchicalAnalysis(std::vector<HierarchicalCell> cells, 
   form_.rho = model.rho && form_.tu && form_.tw;
   form_.lowest = range_.lowest();
   form_.highest = range_.highest();
-
-  HierarchicalPlace place;
-  for (std::size_t c = 0; c < conditions; ++c) {
-    const PooledMaximum pooled = pooled_maximum(of_condition(cells_, c), model.response, model.shared, range_.start);
-    place.mu.push_back(std::clamp(pooled.ln_s, form_.lowest, form_.highest));
-    place.kappa.push_back(pooled.criterion);
-  }
-  place.tu = form_.tu ? kFirstSpread : 0;
-  place.tv = form_.tv ? kFirstSpreadWithin : 0;
-  place.tw = form_.tw ? kFirstSpread * range_.criterion_unit : 0;
-  HierarchicalLikelihood rough(cells_, model.response, model.shared, kRoughFineness);
+  form_.lowest_criterion = range_.lowest_criterion;
+  form_.highest_criterion = range_.highest_criterion;
   form_.shared = fit_.shared = model.estimated.identified(cells_);
-  HierarchicalMaximum start;
-  start.place = place;
-  start.shared = first_shared(fit_.shared, model.shared);
-  fit_.maximum = maximise_by_way_of(rough, likelihood_, form_, start, range_.criterion_unit,
-                                    fit_.shared.any() ? kNegligibleShared : kNegligible);
-
-  const HierarchicalPlace& found = fit_.maximum.place;
-  const auto settle = [](SpreadStatus& status, double spread) {
-    if (status == SpreadStatus::ok && spread == 0) status = SpreadStatus::zero;
-  };
-  settle(fit_.tu, found.tu);
-  settle(fit_.tv, found.tv);
-  settle(fit_.tw, found.tw);
-  for (std::size_t c = 0; c < conditions; ++c) {
-    const auto at_end = [&](double ln_s) {
-      return model.one_mean ? -kInf : from_here(form_.with_mean(c, ln_s), fit_.maximum).log_likelihood;
-    };
-    const SlopeStatus status = status_of(found.mu[c], fit_.maximum.log_likelihood, at_end);
-    fit_.conditions.push_back({status == SlopeStatus::ok ? found.mu[c] : kNaN, found.kappa[c], status, {}, {}});
+  fit_.maximum = first_place(near);
+  search_.emplace(cells_, model.response, model.shared, fineness_, range_.criterion_unit);
+  if (std::none_of(kept_.begin(), kept_.end(), [](bool one) { return one; })) {
+    fit_.maximum.converged = true;
+    return;
   }
-  if (conditions < 2 || model.one_mean) return;
-  HierarchicalForm common = form_;
-  std::fill(common.of.begin(), common.of.end(), 0);
-  fit_.common = maximise_by_way_of(rough, likelihood_, common, start_of(common, fit_.maximum), range_.criterion_unit);
-  fit_.lr = std::max(0.0, 2 * (fit_.maximum.log_likelihood - fit_.common.log_likelihood));
-  fit_.df = static_cast<int>(conditions) - 1;
-  fit_.p = chi2_upper(fit_.lr, fit_.df);
+  search(near);
+}
+
+// Conditions whose counts tell that there is no JND: their likelihood is largest at an end, whatever the others are.
+void HierarchicalAnalysis::leave_out() {
+  std::size_t conditions = 0, participants = 0;
+  for (const HierarchicalCell& cell : cells_) {
+    conditions = std::max(conditions, static_cast<std::size_t>(cell.condition) + 1);
+    participants = std::max(participants, static_cast<std::size_t>(cell.participant) + 1);
+  }
+  fit_.participants = participants;
+  fit_.trials = trials_of(cells_);
+  fit_.conditions.resize(conditions);
+  for (std::size_t c = 0; c < conditions; ++c) {
+    fit_.conditions[c].status = counted_status(of_condition(cells_, c));
+    kept_.push_back(fit_.conditions[c].status == SlopeStatus::ok);
+  }
+  for (HierarchicalCell& cell : cells_)
+    if (!kept(static_cast<std::size_t>(cell.condition)))
+      cell.positive = cell.negative = cell.sure_positive = cell.sure_negative = 0;
 }
 
 void HierarchicalAnalysis::find_spreads() {
   std::set<std::pair<int, int>> seen;
+  std::set<int> people;
   for (const HierarchicalCell& cell : cells_)
-    if (cell.counts().trials() > 0) seen.emplace(cell.participant, cell.condition);
-  bool several = false;
-  for (auto cell = seen.begin(); cell != seen.end(); ++cell)
-    several = several || (std::next(cell) != seen.end() && std::next(cell)->first == cell->first);
+    if (cell.counts().trials() > 0) {
+      seen.emplace(cell.participant, cell.condition);
+      people.insert(cell.participant);
+    }
   const auto status = [](bool asked, bool identified) {
     if (!asked) return SpreadStatus::not_asked;
     return identified ? SpreadStatus::ok : SpreadStatus::not_identified;
   };
-  fit_.tu = status(model_.tu, fit_.participants > 1);
-  fit_.tw = status(model_.tw, fit_.participants > 1);
-  fit_.tv = status(model_.tv, fit_.participants > 1 && several);
+  fit_.tu = status(model_.tu, people.size() > 1);
+  fit_.tw = status(model_.tw, people.size() > 1);
+  fit_.tv = status(model_.tv, people.size() > 1 && seen.size() > people.size());
+  fit_.rho = status(model_.rho, people.size() > 1);
+}
+
+HierarchicalMaximum HierarchicalAnalysis::climbed(const HierarchicalForm& form, const HierarchicalMaximum& from) {
+  return search_->climbed(form, from, kMostOfFit, effort_ == SearchEffort::drawn ? kRoughlyNegligible : kNegligible);
+}
+
+HierarchicalMaximum HierarchicalAnalysis::first_place(const HierarchicalPlace* near) const {
+  HierarchicalMaximum start;
+  start.shared = first_shared(fit_.shared, model_.shared);
+  HierarchicalPlace& place = start.place;
+  const std::size_t conditions = fit_.conditions.size();
+  if (near != nullptr) place = *near;
+  place.mu.resize(conditions);
+  place.kappa.resize(conditions);
+  for (std::size_t c = 0; c < conditions; ++c) {
+    if (!kept(c)) {
+      place.mu[c] = place.kappa[c] = 0;
+    } else if (near == nullptr) {
+      const PooledMaximum pooled = pooled_maximum(of_condition(cells_, c), model_.response, model_.shared, range_);
+      place.mu[c] = pooled.ln_s;
+      place.kappa[c] = pooled.criterion;
+    }
+    if (kept(c)) place.mu[c] = std::clamp(place.mu[c], form_.lowest, form_.highest);
+  }
+  const std::array first = {kFirstSpread, kFirstSpreadWithin, kFirstSpread * range_.criterion_unit};
+  for (std::size_t i = 0; i < kSpreads.size(); ++i) {
+    if (!(form_.*kSpreadsOfForm[i]))
+      place.*kSpreads[i] = 0;
+    else if (near == nullptr)
+      place.*kSpreads[i] = first[i];
+  }
+  if (!form_.rho) place.rho = 0;
+  return start;
+}
+
+// Whether people differ may show only beyond a spread where they seem not to: there ln L is level at 0. And what has
+// fewer spreads may lie higher.
+void HierarchicalAnalysis::ask_spreads(const HierarchicalForm& form, HierarchicalMaximum& best) {
+  constexpr std::array kAsked = {0.03, 0.12, 0.5};
+  for (std::size_t round = 0, asked = 0; asked < kSpreads.size() && round < 4 * kSpreads.size(); ++round) {
+    const std::size_t i = round % kSpreads.size();
+    const auto spread = kSpreads[i];
+    ++asked;
+    if (!(form.*kSpreadsOfForm[i])) continue;
+    if (best.place.*spread > 0) {
+      HierarchicalMaximum start = best;
+      start.place.*spread = 0;
+      if (search_->improve(form, start, best)) asked = 0;
+      continue;
+    }
+    for (const double one : kAsked) {
+      HierarchicalMaximum start = best;
+      start.place.*spread = one * (spread == &HierarchicalPlace::tw ? range_.criterion_unit : 1);
+      search_->likelihood().set_shared(start.shared);
+      if (!(search_->likelihood().at(start.place).log_likelihood > best.log_likelihood + kNegligible)) continue;
+      if (search_->improve(form, start, best)) asked = 0;
+      break;
+    }
+  }
+}
+
+// Of a form, from a place near its largest likelihood or not so near.
+HierarchicalMaximum HierarchicalAnalysis::largest(const HierarchicalForm& form, HierarchicalMaximum first, bool many) {
+  first.curvature.clear();
+  HierarchicalMaximum best = climbed(form, first);
+  if (effort_ == SearchEffort::drawn) return best;
+  for (const HierarchicalMaximum& start : with_other_spreads(form, first, range_.criterion_unit))
+    search_->improve(form, start, best);
+  for (const double aside : {-1.0, 1.0}) {
+    if (!many) break;
+    HierarchicalMaximum start = first;
+    for (std::size_t c = 0; c < start.place.mu.size(); ++c) {
+      if (!kept(c)) continue;
+      start.place.mu[c] = std::clamp(start.place.mu[c] + aside, form_.lowest, form_.highest);
+      start.place.kappa[c] =
+          pooled_maximum(of_condition(cells_, c), model_.response, model_.shared, range_, start.place.mu[c]).criterion;
+    }
+    search_->improve(form, start, best);
+  }
+  ask_spreads(form, best);
+  return best;
+}
+
+// Everything, with nodes as dense as the study needs.
+void HierarchicalAnalysis::search(const HierarchicalPlace* near) {
+  HierarchicalMaximum best = largest(form_, first_place(near), true);
+  const auto means = std::count(kept_.begin(), kept_.end(), true);
+  fit_.df = means > 1 && !model_.one_mean ? static_cast<int>(means) - 1 : 0;
+  if (effort_ == SearchEffort::drawn) {
+    fit_.maximum = std::move(best);
+    settle();
+    return;
+  }
+  for (;;) {
+    HierarchicalSearch denser(cells_, model_.response, best.shared, kDenser * fineness_, range_.criterion_unit);
+    const double now = best.log_likelihood, then = denser.likelihood().at(best.place).log_likelihood;
+    fit_.exact = std::abs(then - now) < kExact;
+    if (fit_.exact || kDenser * fineness_ > kDensest) break;
+    fineness_ *= kDenser;
+    search_ = std::move(denser);
+    best = largest(form_, best, false);
+  }
+  search_from(std::move(best));
+}
+
+HierarchicalForm HierarchicalAnalysis::equal_means() const {
+  HierarchicalForm common = form_;
+  for (int& one : common.of) one = std::min(one, 0);
+  return common;
+}
+
+void HierarchicalAnalysis::search_from(HierarchicalMaximum best) {
+  for (int restart = 0;; ++restart) {
+    fit_.maximum = best;
+    if (fit_.df == 0) break;
+    const HierarchicalForm common = equal_means();
+    fit_.common = largest(common, start_of(common, best), false);
+    if (fit_.common.log_likelihood <= best.log_likelihood + kTold || restart == kMostRestarts) break;
+    best = largest(form_, fit_.common, false);
+  }
+  settle();
+}
+
+// Statuses, and the test of one mean, of the maxima as they are.
+void HierarchicalAnalysis::settle() {
+  const HierarchicalPlace& found = fit_.maximum.place;
+  const auto spread = [](SpreadStatus& status, double value, double largest) {
+    if (status == SpreadStatus::not_asked || status == SpreadStatus::not_identified) return;
+    status = value == 0 ? SpreadStatus::zero : value > largest * (1 - 1e-6) ? SpreadStatus::at_limit : SpreadStatus::ok;
+  };
+  spread(fit_.tu, found.tu, kLargestSpread);
+  spread(fit_.tv, found.tv, kLargestSpread);
+  spread(fit_.tw, found.tw / range_.criterion_unit, kLargestSpreadOfCriteria);
+  if (fit_.rho != SpreadStatus::not_asked) {
+    const bool told = found.tu > 0 && found.tw > 0;
+    if (!told) fit_.maximum.place.rho = 0;
+    fit_.rho = !told                                                     ? SpreadStatus::not_identified
+               : std::abs(found.rho) > kLargestCorrelation * (1 - 1e-6) ? SpreadStatus::at_limit
+                                                                         : SpreadStatus::ok;
+  }
+  for (std::size_t c = 0; c < fit_.conditions.size(); ++c) {
+    if (!kept(c)) continue;
+    const auto at_end = [&](double ln_s) {
+      if (model_.one_mean || effort_ == SearchEffort::drawn) return -kInf;
+      const HierarchicalForm form = form_.with_mean(c, ln_s);
+      return climbed(form, start_of(form, fit_.maximum)).log_likelihood;
+    };
+    ConditionMean& one = fit_.conditions[c];
+    one.status = status_of(found.mu[c], fit_.maximum.log_likelihood, at_end);
+    one.mu = one.status == SlopeStatus::ok ? found.mu[c] : kNaN;
+    one.criterion = found.kappa[c];
+  }
+  if (fit_.df == 0 || effort_ == SearchEffort::drawn) return;
+  fit_.lr = std::max(0.0, 2 * (fit_.maximum.log_likelihood - fit_.common.log_likelihood));
+  fit_.p = chi2_upper(fit_.lr, fit_.df);
 }
 
 // Where a search begins from a place whose means the form may move: far, and the criteria there are no longer near the
@@ -115,70 +297,23 @@ HierarchicalMaximum HierarchicalAnalysis::start_of(const HierarchicalForm& form,
   constexpr double kFar = 0.5;
   HierarchicalMaximum start = from;
   start.place = moved(form, from.place);
-  bool far = false;
   for (std::size_t c = 0; c < start.place.mu.size(); ++c)
-    if (std::abs(start.place.mu[c] - from.place.mu[c]) > kFar) {
-      far = true;
-      start.place.kappa[c] = pooled_maximum(of_condition(cells_, c), model_.response, from.shared,
-                                            {start.place.mu[c], range_.start.criterion, 0}, true)
-                                 .criterion;
-    }
-  return far ? start : moved(form, from, from.shared, range_.criterion_unit);
-}
-
-HierarchicalMaximum HierarchicalAnalysis::from_here(const HierarchicalForm& form, const HierarchicalMaximum& from,
-                                                    double negligible) {
-  return maximise(likelihood_, form, start_of(form, from), range_.criterion_unit, negligible);
+    if (kept(c) && std::abs(start.place.mu[c] - from.place.mu[c]) > kFar)
+      start.place.kappa[c] =
+          pooled_maximum(of_condition(cells_, c), model_.response, from.shared, range_, start.place.mu[c]).criterion;
+  return start;
 }
 
 // at_end(ln s): the largest ln L with that mean. Answers that are as likely at an end of what is searched tell no JND.
 template <typename AtEnd>
 SlopeStatus HierarchicalAnalysis::status_of(double ln_s, double log_likelihood, const AtEnd& at_end) const {
   constexpr double kAsLikely = 1e-4, kNear = 1.2;  // an end is looked at from so near
-  if (ln_s > range_.greatest - kNear && (ln_s > range_.greatest || at_end(form_.highest) > log_likelihood - kAsLikely))
+  if (ln_s > range_.greatest - kNear &&
+      (ln_s > range_.greatest || at_end(range_.highest()) > log_likelihood - kAsLikely))
     return SlopeStatus::no_sensitivity;
-  if (ln_s < range_.least + kNear && (ln_s < range_.least || at_end(form_.lowest) > log_likelihood - kAsLikely))
+  if (ln_s < range_.least + kNear && (ln_s < range_.least || at_end(range_.lowest()) > log_likelihood - kAsLikely))
     return SlopeStatus::ceiling;
   return SlopeStatus::ok;
-}
-
-// Before many searches near the maximum.
-void HierarchicalAnalysis::look_closely() {
-  likelihood_.set_shared(fit_.maximum.shared);
-  if (!looked_closely_) observe_information(likelihood_, form_, fit_.maximum, range_.criterion_unit);
-  looked_closely_ = true;
-}
-
-std::size_t HierarchicalAnalysis::shared_place(SharedParameter which) const noexcept {
-  return 2 * fit_.conditions.size() + 4 + static_cast<std::size_t>(which);
-}
-
-// Of a sum of parameters, each by its place in the information, times a number.
-double HierarchicalAnalysis::error_of(std::initializer_list<std::pair<std::size_t, double>> parameters) const {
-  std::vector<double> times(2 * fit_.conditions.size() + 4 + kSharedParameters.size(), 0);
-  for (const auto& [place, number] : parameters) times[place] = number;
-  return standard_error(form_, fit_.maximum, times, range_.criterion_unit);
-}
-
-// held(value, from, negligible): the maximum with the parameter at that value, from another one; slope(maximum): of ln L
-// there, by the parameter. An end is looked for up to so far from the estimate.
-template <typename Held, typename Slope>
-ProfileEnds HierarchicalAnalysis::ends(double estimate, double error, double furthest, const Held& held,
-                                       const Slope& slope) {
-  const double best = fit_.maximum.log_likelihood;
-  const auto end = [&](double side) {
-    HierarchicalMaximum there = fit_.maximum;
-    double negligible = kNegligibleAtFirst;
-    const auto profile = [&](double value) {
-      there = held(value, there, negligible);
-      negligible = kNegligibleInProfile;
-      return ProfilePoint{best - there.log_likelihood, -slope(there)};
-    };
-    const double outside = estimate + side * furthest, first = estimate + side * std::min(2 * error, furthest / 2);
-    if (error > furthest / 6 && profile(outside).drop < kProfileDrop) return side * kInf;
-    return profile_bound(profile, estimate, outside, first, kCloseEnough);
-  };
-  return {end(-1), end(1)};
 }
 
 namespace {
@@ -188,119 +323,136 @@ constexpr double kFurthestBias = 6;    // in units of the criterion, a quarter o
 
 }  // namespace
 
-ProfileEnds HierarchicalAnalysis::mean_ends(std::size_t condition, double error) {
-  const auto by = [&](const HierarchicalMaximum& there) {
+HeldNumber HierarchicalAnalysis::mean_number(std::size_t condition) const {
+  HeldNumber number;
+  number.estimate = fit_.maximum.place.mu[condition];
+  number.lowest = std::max(range_.lowest(), number.estimate - kFurthestFactor);
+  number.highest = std::min(range_.highest(), number.estimate + kFurthestFactor);
+  number.hold = [this, condition](double value, const HierarchicalMaximum& from) {
+    HierarchicalForm form = form_;
+    if (model_.one_mean) {
+      std::fill(form.of.begin(), form.of.end(), -1);
+      std::fill(form.offset.begin(), form.offset.end(), value);
+    } else {
+      form = form.with_mean(condition, value);
+    }
+    return HeldSearch{form, start_of(form, from)};
+  };
+  number.slope = [this, condition](HierarchicalLikelihood&, const HierarchicalMaximum& there) {
     return model_.one_mean ? std::accumulate(there.slope.mu.begin(), there.slope.mu.end(), 0.0)
                            : there.slope.mu[condition];
   };
-  const auto held = [&](double value, const HierarchicalMaximum& from, double negligible) {
-    HierarchicalForm form = form_;
-    if (!model_.one_mean) return from_here(form.with_mean(condition, value), from, negligible);
-    std::fill(form.of.begin(), form.of.end(), -1);
-    std::fill(form.offset.begin(), form.offset.end(), value);
-    return from_here(form, from, negligible);
-  };
-  return ends(fit_.maximum.place.mu[condition], error, kFurthestFactor, held, by);
+  return number;
 }
 
-ProfileEnds HierarchicalAnalysis::criterion_ends(std::size_t condition, double error) {
-  HierarchicalForm form = form_;
-  form.held_criterion = static_cast<int>(condition);
-  const auto held = [&](double value, const HierarchicalMaximum& from, double negligible) {
-    HierarchicalMaximum start = from;
-    start.place.kappa[condition] = value;
-    return maximise(likelihood_, form, start, range_.criterion_unit, negligible);
+HeldNumber HierarchicalAnalysis::criterion_number(std::size_t condition) const {
+  HeldNumber number;
+  number.estimate = fit_.maximum.place.kappa[condition];
+  number.unit = range_.criterion_unit;
+  number.lowest = number.estimate - kFurthestBias * number.unit;
+  number.highest = number.estimate + kFurthestBias * number.unit;
+  number.hold = [this, condition](double value, const HierarchicalMaximum& from) {
+    HeldSearch held{form_, from};
+    held.form.held_criteria[condition] = true;
+    held.start.place.kappa[condition] = value;
+    return held;
   };
-  return ends(fit_.maximum.place.kappa[condition], error, kFurthestBias * range_.criterion_unit, held,
-              [condition](const HierarchicalMaximum& there) { return there.slope.kappa[condition]; });
+  number.slope = [condition](HierarchicalLikelihood&, const HierarchicalMaximum& there) {
+    return there.slope.kappa[condition];
+  };
+  return number;
 }
 
-const HierarchicalFit& HierarchicalAnalysis::add_intervals() {
-  look_closely();
-  const std::size_t conditions = fit_.conditions.size();
-  for (std::size_t c = 0; c < conditions; ++c) {
+HeldNumber HierarchicalAnalysis::difference_number(std::size_t a, std::size_t b) const {
+  HeldNumber number;
+  number.estimate = fit_.maximum.place.mu[a] - fit_.maximum.place.mu[b];
+  const double widest = range_.highest() - range_.lowest();
+  number.lowest = std::max(-widest, number.estimate - kFurthestFactor);
+  number.highest = std::min(widest, number.estimate + kFurthestFactor);
+  number.hold = [this, a, b](double value, const HierarchicalMaximum& from) {
+    const HierarchicalForm form = form_.with_difference(a, b, value);
+    return HeldSearch{form, start_of(form, from)};
+  };
+  number.slope = [a](HierarchicalLikelihood&, const HierarchicalMaximum& there) { return there.slope.mu[a]; };
+  return number;
+}
+
+HeldNumber HierarchicalAnalysis::shared_number(SharedParameter which) const {
+  const SharedLimits limits = limits_of(which, range_.criterion_unit);
+  HeldNumber number;
+  number.estimate = value_of(fit_.maximum.shared, which);
+  number.lowest = limits.low;
+  number.highest = limits.high;
+  if (at_least_zero(which)) {
+    number.open_low = 0;
+    number.unit = 0.1;
+  } else if (of_criterion(which)) {
+    number.unit = range_.criterion_unit;
+  }
+  number.hold = [this, which](double value, const HierarchicalMaximum& from) {
+    HeldSearch held{form_, from};
+    held.form.shared = held.form.shared.with(which, false);
+    value_of(held.start.shared, which) = value;
+    return held;
+  };
+  number.slope = [which](HierarchicalLikelihood& likelihood, const HierarchicalMaximum& there) {
+    likelihood.set_shared(there.shared);
+    return likelihood.at(there.place, SharedForm{}.with(which)).by_shared[static_cast<std::size_t>(which)];
+  };
+  return number;
+}
+
+// One number's part of complete(): what it takes from the likelihood, and where what it finds goes.
+struct HierarchicalAnalysis::Task {
+  HeldNumber number{};
+  double tested = kNaN;             // a value whose drop is wanted
+  bool interval = true;
+  ProfileEnds* ends = nullptr;
+  double drop = kNaN;
+  std::function<void(const Task&)> done{};
+  std::optional<HierarchicalMaximum> better{};
+};
+
+std::vector<std::pair<std::size_t, std::size_t>> HierarchicalAnalysis::pairs() const {
+  std::vector<std::pair<std::size_t, std::size_t>> pairs;
+  for (std::size_t a = 0; a < fit_.conditions.size() && !model_.one_mean; ++a)
+    for (std::size_t b = a + 1; b < fit_.conditions.size(); ++b) pairs.emplace_back(a, b);
+  return pairs;
+}
+
+std::vector<HierarchicalAnalysis::Task> HierarchicalAnalysis::tasks_of(const HierarchicalWish& wish) {
+  std::vector<Task> tasks;
+  const bool choice = model_.response == ResponseModel::choice;
+  for (std::size_t c = 0; c < fit_.conditions.size() && wish.intervals; ++c) {
     ConditionMean& one = fit_.conditions[c];
-    one.ends = mean_ends(c, error_of({{c, 1}}));
-    if (model_.response == ResponseModel::choice && one.status == SlopeStatus::ok)
-      one.criterion_ends = criterion_ends(c, error_of({{conditions + c, 1}}));
+    one.ends = one.criterion_ends = {};
+    if (!kept(c)) continue;
+    tasks.push_back({.number = mean_number(c), .ends = &one.ends});
+    if (choice && one.status == SlopeStatus::ok && !form_.held_criteria[c])
+      tasks.push_back({.number = criterion_number(c), .ends = &one.criterion_ends});
   }
-  return fit_;
-}
-
-ConditionDifference HierarchicalAnalysis::difference(std::size_t a, std::size_t b) {
-  look_closely();
-  ConditionDifference one{a, b, fit_.conditions[a].mu - fit_.conditions[b].mu, {}};
-  const auto held = [&](double value, const HierarchicalMaximum& from, double negligible) {
-    return from_here(form_.with_difference(a, b, value), from, negligible);
-  };
-  if (!std::isnan(one.difference))
-    one.ends = ends(one.difference, error_of({{a, 1}, {b, -1}}), kFurthestFactor, held,
-                    [a](const HierarchicalMaximum& there) { return there.slope.mu[a]; });
-  const double without = from_here(form_.with_difference(a, b, 0), fit_.maximum).log_likelihood;
-  one.lr = std::max(0.0, 2 * (fit_.maximum.log_likelihood - without));
-  one.p = chi2_upper(one.lr, 1);
-  return one;
-}
-
-std::vector<ConditionDifference> HierarchicalAnalysis::differences() {
-  std::vector<ConditionDifference> differences;
-  if (model_.one_mean) return differences;
-  for (std::size_t a = 0; a < fit_.conditions.size(); ++a)
-    for (std::size_t b = a + 1; b < fit_.conditions.size(); ++b) differences.push_back(difference(a, b));
-  return differences;
-}
-
-// With one of the shared parameters at a value.
-HierarchicalMaximum HierarchicalAnalysis::with_shared(SharedParameter held, double value,
-                                                      const HierarchicalMaximum& from, double negligible,
-                                                      double wanted) {
-  HierarchicalForm form = form_;
-  form.shared = form.shared.with(held, false);
-  SharedParameters shared = from.shared;
-  value_of(shared, held) = value;
-  return maximise(likelihood_, form, moved(form, from, shared, range_.criterion_unit), range_.criterion_unit,
-                  negligible, wanted);
-}
-
-// One end of the interval, where ln L falls all the way from the estimate to the limit, or does not fall enough.
-double HierarchicalAnalysis::shared_end(const SharedEstimate& estimate, double side) {
-  const SharedLimits limits = limits_of(estimate.parameter, range_.criterion_unit);
-  const double limit = side < 0 ? limits.low : limits.high;
-  const bool least = side < 0 && limits.low >= 0;
-  const double open = least ? 0 : side * kInf;
-  if (estimate.value == limit) return open;
-  const double best = fit_.maximum.log_likelihood;
-  const double room = std::abs(limit - estimate.value), error = error_of({{shared_place(estimate.parameter), 1}});
-  if (error > room / 6) {
-    const double wanted = best - kProfileDrop;
-    if (with_shared(estimate.parameter, limit, fit_.maximum, kNegligibleInProfile, wanted).log_likelihood > wanted)
-      return open;
+  fit_.differences.clear();
+  fit_.differences.reserve(wish.pairs.size());
+  for (const auto& [a, b] : wish.pairs) {
+    ConditionDifference& one = fit_.differences.emplace_back();
+    one.a = a;
+    one.b = b;
+    one.difference = fit_.conditions[a].mu - fit_.conditions[b].mu;
+    if (!kept(a) || !kept(b)) continue;
+    tasks.push_back({.number = difference_number(a, b),
+                     .tested = 0,
+                     .interval = !std::isnan(one.difference),
+                     .ends = &one.ends,
+                     .done = [&one](const Task& task) {
+                       one.lr = 2 * task.drop;
+                       one.p = chi2_upper(one.lr, 1);
+                     }});
   }
-  const auto slope = [&estimate](const HierarchicalMaximum& there) {
-    return there.slope_by_shared[static_cast<std::size_t>(estimate.parameter)];
-  };
-  HierarchicalMaximum there = fit_.maximum;
-  double negligible = kNegligibleAtFirst;
-  const auto profile = [&](double value) {
-    there = with_shared(estimate.parameter, value, there, negligible);
-    negligible = kNegligibleInProfile;
-    there.slope_by_shared = likelihood_.at(there.place, SharedForm{}.with(estimate.parameter)).by_shared;
-    return ProfilePoint{best - there.log_likelihood, -slope(there)};
-  };
-  // Where it would be if ln L were a parabola.
-  const double rise = estimate.status == SharedStatus::zero ? std::min(slope(fit_.maximum), 0.0) * error : 0;
-  const double reach = (rise + std::sqrt(rise * rise + 2 * kProfileDrop)) * error;
-  const double end =
-      profile_bound(profile, estimate.value, limit, estimate.value + side * std::min(reach, room / 2), kCloseEnough);
-  return std::abs(end - limit) < kCloseEnough ? open : end;
-}
-
-std::vector<SharedEstimate> HierarchicalAnalysis::shared_estimates() {
-  std::vector<SharedEstimate> estimates;
-  look_closely();
+  fit_.shared_estimates.clear();
+  fit_.shared_estimates.reserve(kSharedParameters.size());
   for (const SharedParameter which : kSharedParameters) {
-    if (!model_.estimated.has(which)) continue;
-    SharedEstimate& one = estimates.emplace_back();
+    if (!wish.shared || !model_.estimated.has(which)) continue;
+    SharedEstimate& one = fit_.shared_estimates.emplace_back();
     one.parameter = which;
     one.status = SharedStatus::not_identified;
     if (!fit_.shared.has(which)) continue;
@@ -309,36 +461,132 @@ std::vector<SharedEstimate> HierarchicalAnalysis::shared_estimates() {
     one.status = one.value == limits.high || (one.value == limits.low && limits.low != 0) ? SharedStatus::at_limit
                  : one.value == limits.low                                                ? SharedStatus::zero
                                                                                           : SharedStatus::ok;
-    one.ends = {shared_end(one, -1), shared_end(one, 1)};
-    if (limits.low > 0) continue;  // there is no test of 0
-    const double without = with_shared(which, 0, fit_.maximum, kNegligibleInProfile).log_likelihood;
-    one.lr = std::max(0.0, 2 * (fit_.maximum.log_likelihood - without));
-    one.p = chi2_upper(one.lr, 1);
-    if (limits.low == 0) one.p = one.status == SharedStatus::zero ? 1 : one.p / 2;
+    tasks.push_back({.number = shared_number(which),
+                     .tested = limits.low > 0 ? kNaN : 0,  // there is no test of 0
+                     .ends = &one.ends,
+                     .done = [&one, limits](const Task& task) {
+                       if (limits.low > 0) return;
+                       one.lr = 2 * task.drop;
+                       one.p = chi2_upper(one.lr, 1);
+                       if (limits.low == 0) one.p = one.status == SharedStatus::zero ? 1 : one.p / 2;
+                     }});
   }
-  return estimates;
+  return tasks;
+}
+
+const HierarchicalFit& HierarchicalAnalysis::complete(const HierarchicalWish& wish, int threads) {
+  for (int restart = 0;; ++restart) {
+    std::vector<Task> tasks = tasks_of(wish);
+    if (tasks.empty()) return fit_;
+    const double share = kMostOfAll / static_cast<double>(tasks.size());
+    std::atomic<std::size_t> next{0};
+    int done = 0;
+    std::mutex mutex;
+    std::exception_ptr failure;
+    const auto work = [&] {
+      try {
+        HierarchicalSearch search = *search_;
+        for (std::size_t i = next++; i < tasks.size(); i = next++) {
+          Task& task = tasks[i];
+          Profile profile(search, fit_.maximum, task.number, share);
+          try {
+            if (!std::isnan(task.tested)) task.drop = profile.drop(task.tested);
+            if (task.interval) *task.ends = profile.ends();
+          } catch (BetterMaximum& found) {
+            task.better = std::move(found.maximum);
+          }
+          const std::lock_guard lock(mutex);
+          ++done;
+          if (work_progress()) work_progress()(done, static_cast<int>(tasks.size()));
+        }
+      } catch (...) {
+        const std::lock_guard lock(mutex);
+        if (!failure) failure = std::current_exception();
+        next = tasks.size();
+      }
+    };
+    {
+      std::vector<std::jthread> workers;
+      for (int i = 1; i < std::min(threads, static_cast<int>(tasks.size())); ++i) workers.emplace_back(work);
+      work();
+    }
+    if (failure) std::rethrow_exception(failure);
+    const HierarchicalMaximum* better = nullptr;
+    for (const Task& task : tasks)
+      if (task.better && (better == nullptr || task.better->log_likelihood > better->log_likelihood))
+        better = &*task.better;
+    if (better == nullptr || restart == kMostRestarts) {
+      for (const Task& task : tasks) {
+        if (task.better) *task.ends = {kNaN, kNaN, EndsStatus::not_converged};
+        if (task.done && !std::isnan(task.drop)) task.done(task);
+      }
+      return fit_;
+    }
+    search_from(largest(form_, *better, false));
+  }
+}
+
+double HierarchicalAnalysis::drop_of(const HeldNumber& number, double value) {
+  return Profile(*search_, fit_.maximum, number).drop(value);
+}
+
+double HierarchicalAnalysis::drop_of_mean(std::size_t condition, double mu) {
+  return kept(condition) ? drop_of(mean_number(condition), mu) : kNaN;
+}
+
+double HierarchicalAnalysis::drop_of_difference(std::size_t a, std::size_t b, double difference) {
+  if (!kept(a) || !kept(b)) return kNaN;
+  if (effort_ == SearchEffort::thorough) return drop_of(difference_number(a, b), difference);
+  const auto [form, start] = difference_number(a, b).hold(difference, fit_.maximum);
+  HierarchicalMaximum from = start;
+  from.curvature.clear();
+  return std::max(0.0, fit_.maximum.log_likelihood - climbed(form, from).log_likelihood);
+}
+
+double HierarchicalAnalysis::equal_lr() {
+  if (fit_.df == 0 || effort_ == SearchEffort::thorough) return fit_.lr;
+  const HierarchicalForm common = equal_means();
+  HierarchicalMaximum start = start_of(common, fit_.maximum);
+  start.curvature.clear();
+  return std::max(0.0, 2 * (fit_.maximum.log_likelihood - climbed(common, start).log_likelihood));
+}
+
+std::vector<double> HierarchicalAnalysis::covariance() {
+  const std::vector<double> of_means =
+      covariance_of_means(search_->likelihood(), form_, fit_.maximum, range_.criterion_unit);
+  if (of_means.empty()) return {};
+  const std::size_t conditions = fit_.conditions.size();
+  const auto means = static_cast<std::size_t>(1 + *std::max_element(form_.of.begin(), form_.of.end()));
+  std::vector<double> out(conditions * conditions, kNaN);
+  for (std::size_t a = 0; a < conditions; ++a)
+    for (std::size_t b = 0; b < conditions; ++b)
+      if (form_.of[a] >= 0 && form_.of[b] >= 0)
+        out[a * conditions + b] =
+            of_means[static_cast<std::size_t>(form_.of[a]) * means + static_cast<std::size_t>(form_.of[b])];
+  return out;
 }
 
 std::vector<PersonEstimate> HierarchicalAnalysis::people() {
   const std::size_t conditions = fit_.conditions.size();
   std::vector<std::vector<HierarchicalCell>> cells(fit_.participants * conditions);
-  for (const HierarchicalCell& cell : cells_)
+  for (const HierarchicalCell& cell : answered_)
     cells[static_cast<std::size_t>(cell.participant) * conditions + static_cast<std::size_t>(cell.condition)].push_back(
         cell);
   std::vector<PersonEstimate> people;
-  likelihood_.set_shared(fit_.maximum.shared);
-  const std::vector<PersonPosterior> posteriors = likelihood_.posteriors(fit_.maximum.place);
+  search_->likelihood().set_shared(fit_.maximum.shared);
+  const std::vector<PersonPosterior> posteriors = search_->likelihood().posteriors(fit_.maximum.place);
   for (std::size_t i = 0; i < cells.size(); ++i) {
     PersonEstimate& one = people.emplace_back();
-    one.mean = posteriors[i / conditions].mean[i % conditions];
-    one.sd = posteriors[i / conditions].sd[i % conditions];
-    one.criterion = fit_.maximum.place.kappa[i % conditions] + posteriors[i / conditions].w;
-    one.status = SlopeStatus::missing;
-    if (trials_of(cells[i]) == 0) continue;
-    const PooledMaximum alone = pooled_maximum(cells[i], model_.response, fit_.maximum.shared, range_.start);
+    if (kept(i % conditions)) {
+      one.mean = posteriors[i / conditions].mean[i % conditions];
+      one.sd = posteriors[i / conditions].sd[i % conditions];
+      one.criterion = fit_.maximum.place.kappa[i % conditions] + posteriors[i / conditions].w;
+    }
+    one.status = counted_status(cells[i]);
+    if (one.status != SlopeStatus::ok) continue;
+    const PooledMaximum alone = pooled_maximum(cells[i], model_.response, fit_.maximum.shared, range_);
     const auto at_end = [&](double ln_s) {
-      return pooled_maximum(cells[i], model_.response, fit_.maximum.shared, {ln_s, range_.start.criterion, 0}, true)
-          .log_likelihood;
+      return pooled_maximum(cells[i], model_.response, fit_.maximum.shared, range_, ln_s).log_likelihood;
     };
     one.status = status_of(alone.ln_s, alone.log_likelihood, at_end);
     if (one.status == SlopeStatus::ok) one.alone = alone.ln_s;

@@ -10,12 +10,14 @@
 // intervals); Self and Liang 1987, J Am Stat Assoc 82:605, case 5 (tests of a parameter at the end of its range). Tests: glmer of lme4 with 25 nodes, two independent implementations, analysis/selftest.
 #pragma once
 
-#include <initializer_list>
+#include <functional>
+#include <optional>
+#include <span>
 #include <string_view>
 #include <utility>
 #include <vector>
 
-#include "analysis/hierarchical/hierarchical_search.h"
+#include "analysis/hierarchical/hierarchical_profile.h"
 #include "analysis/numerics/special_values.h"
 #include "analysis/numerics/words.h"
 
@@ -52,37 +54,43 @@ inline constexpr auto kSharedStatusWords = words<SharedStatus>({{"ok", SharedSta
 enum class SpreadStatus {
   ok,
   zero,            // the likelihood is largest at 0: the answers show no such difference between people
+  at_limit,        // as large as is searched (hierarchical_search.h): the answers set no bound
   not_identified,  // one participant; or, of persons by condition, nobody in more than one condition: taken as 0
   not_asked        // not in the model: 0
 };
 inline constexpr auto kSpreadStatusWords = words<SpreadStatus>({{"ok", SpreadStatus::ok},
                                                                 {"zero", SpreadStatus::zero},
+                                                                {"at_limit", SpreadStatus::at_limit},
                                                                 {"not_identified", SpreadStatus::not_identified},
                                                                 {"not_asked", SpreadStatus::not_asked}});
 
-// Of a JND, of the group's in a condition or a person's alone.
+// Of a JND, of the group's in a condition or a person's alone. Without trials, and where the counts alone tell that there
+// is none, nothing is searched: a condition is left out of the model.
 enum class SlopeStatus {
   ok,
   no_sensitivity,  // above 12 times the largest level, or as likely as there: the answers do not change with the level
   ceiling,         // below a twelfth of the smallest, or as likely as there: a step fits
-  missing          // no trials
+  missing,         // no trials
+  one_answer,      // every answer is the same one
+  one_level,       // every trial has the same level
+  perfect          // up to some level every answer is negative, above it positive: the JND is 0 or near it
 };
 inline constexpr auto kSlopeStatusWords = words<SlopeStatus>({{"ok", SlopeStatus::ok},
                                                               {"no_sensitivity", SlopeStatus::no_sensitivity},
                                                               {"ceiling", SlopeStatus::ceiling},
-                                                              {"missing", SlopeStatus::missing}});
-
-// 95 % by profile likelihood, the other parameters at their best; an end that the answers leave open is infinite.
-struct ProfileEnds {
-  double low = kNaN, high = kNaN;
-};
+                                                              {"missing", SlopeStatus::missing},
+                                                              {"one_answer", SlopeStatus::one_answer},
+                                                              {"one_level", SlopeStatus::one_level},
+                                                              {"perfect", SlopeStatus::perfect}});
+// By the counts alone: ok, missing, one_answer, one_level or perfect.
+SlopeStatus counted_status(std::span<const HierarchicalCell> cells);
 
 struct ConditionMean {
-  double mu = 0;  // NaN without a JND; its interval still has one end
-  double criterion = 0;
+  double mu = kNaN;         // NaN without a JND; its interval still has one end, but where the counts tell that there is none
+  double criterion = kNaN;  // NaN of a condition that is left out
   SlopeStatus status = SlopeStatus::ok;
-  ProfileEnds ends;            // of mu; NaN before add_intervals()
-  ProfileEnds criterion_ends;  // of choices: of the criterion, likewise; NaN of other models
+  ProfileEnds ends;            // of mu
+  ProfileEnds criterion_ends;  // of choices: of the criterion; of other models not computed
 };
 
 // mu of condition a less that of b: the logarithm of the ratio of the JNDs. NaN, with its ends, where one has no JND;
@@ -95,8 +103,9 @@ struct ConditionDifference {
 };
 
 struct PersonEstimate {
-  double mean = 0, sd = 0;               // of ln s given everybody's answers, at the estimates of the group
-  double criterion = 0;                  // mean of k, given the same
+  // Of ln s given everybody's answers, at the estimates of the group; NaN in a condition that is left out.
+  double mean = kNaN, sd = kNaN;
+  double criterion = kNaN;               // mean of k, given the same
   double alone = kNaN;                   // ln s from the answers of this cell only
   SlopeStatus status = SlopeStatus::ok;  // of that one
 };
@@ -115,58 +124,97 @@ struct SharedEstimate {
 struct HierarchicalFit {
   std::size_t participants = 0;
   double trials = 0;
+  // Of conditions that are left out ln s and criterion are 0, and mean nothing. converged: also where all are left out.
   HierarchicalMaximum maximum;
+  bool exact = true;  // denser nodes change ln L by less than 1e-6
   SharedForm shared;  // of those to be estimated the ones that these answers can tell
-  SpreadStatus tu = SpreadStatus::ok, tv = SpreadStatus::ok, tw = SpreadStatus::ok;
+  SpreadStatus tu = SpreadStatus::ok, tv = SpreadStatus::ok, tw = SpreadStatus::ok, rho = SpreadStatus::not_asked;
   std::vector<ConditionMean> conditions;
-  // One mu for all conditions, and the likelihood-ratio test of it; empty with one condition or with one_mean.
+  // One mu for all conditions that are not left out, and the likelihood-ratio test of it; df 0 with one of them or with
+  // one_mean.
   HierarchicalMaximum common;
   double lr = kNaN, p = kNaN;
   int df = 0;
+  // What complete() was asked for.
+  std::vector<ConditionDifference> differences;
+  std::vector<SharedEstimate> shared_estimates;
+};
+
+// How much is searched: of one study all that is worth it; of the thousands that are drawn from a known truth one start,
+// with rougher nodes, whose ln L errs by a few 1e-4.
+enum class SearchEffort { thorough, drawn };
+
+// What complete() adds to a fit.
+struct HierarchicalWish {
+  bool intervals = false;  // of the means, and of choices of the criteria
+  bool shared = false;     // of each that is to be estimated: interval and test
+  std::vector<std::pair<std::size_t, std::size_t>> pairs{};  // of conditions: the difference, its interval and test
 };
 
 class HierarchicalAnalysis {
  public:
-  // cells: every condition has trials; participants and conditions from 0, without gaps. Throws std::invalid_argument
-  // without cells.
-  HierarchicalAnalysis(std::vector<HierarchicalCell> cells, const HierarchicalModel& model);
+  // cells: participants and conditions from 0, without gaps. near: where to begin, such as the truth of a drawn study.
+  // Throws std::invalid_argument without cells, Stopped (numerics/stop_request.h).
+  HierarchicalAnalysis(std::vector<HierarchicalCell> cells, const HierarchicalModel& model,
+                       SearchEffort effort = SearchEffort::thorough, const HierarchicalPlace* near = nullptr);
 
   const HierarchicalFit& fit() const noexcept { return fit_; }
+  // Those of the conditions that are not left out; the others have no trials.
+  const std::vector<HierarchicalCell>& cells() const noexcept { return cells_; }
 
-  // What takes longer, and changes nothing of the fit but adds to it: intervals of the means; all pairs.
-  const HierarchicalFit& add_intervals();
-  ConditionDifference difference(std::size_t a, std::size_t b);  // not of a model with one_mean
-  std::vector<ConditionDifference> differences();
-  // Of each that is to be estimated.
-  std::vector<SharedEstimate> shared_estimates();
+  // What takes longer. Where it comes upon a larger likelihood than the fit's, that is the fit from there on, and all is
+  // computed again. The result does not depend on the number of threads. Tells work_progress() (numerics/long_work.h).
+  // Throws Stopped.
+  const HierarchicalFit& complete(const HierarchicalWish& wish, int threads = 1);
+  const HierarchicalFit& add_intervals() { return complete({.intervals = true}); }
+  // Of all pairs of conditions; none of a model with one_mean.
+  std::vector<std::pair<std::size_t, std::size_t>> pairs() const;
+
+  // How far ln L falls where the mean of a condition, or a difference of two, is held at a value: twice that is the
+  // likelihood-ratio statistic. NaN of a condition that is left out.
+  double drop_of_mean(std::size_t condition, double mu);
+  double drop_of_difference(std::size_t a, std::size_t b, double difference);
+
+  // The likelihood-ratio statistic of one mean for all conditions that are not left out; NaN where there is no such test.
+  double equal_lr();
+  // Of the means, conditions x conditions, by the observed information; empty where it has no inverse.
+  std::vector<double> covariance();
   // By participant, then condition.
   std::vector<PersonEstimate> people();
 
  private:
+  struct Task;
+
+  bool kept(std::size_t condition) const noexcept { return kept_[condition]; }
+  void leave_out();
   void find_spreads();
+  void search(const HierarchicalPlace* near);
+  HierarchicalMaximum climbed(const HierarchicalForm& form, const HierarchicalMaximum& from);
+  HierarchicalMaximum first_place(const HierarchicalPlace* near) const;
+  HierarchicalMaximum largest(const HierarchicalForm& form, HierarchicalMaximum best, bool many);
+  void ask_spreads(const HierarchicalForm& form, HierarchicalMaximum& best);
+  void search_from(HierarchicalMaximum best);
+  void settle();
+  HierarchicalForm equal_means() const;
   HierarchicalMaximum start_of(const HierarchicalForm& form, const HierarchicalMaximum& from) const;
-  HierarchicalMaximum from_here(const HierarchicalForm& form, const HierarchicalMaximum& from,
-                                double negligible = kNegligible);
-  void look_closely();
-  std::size_t shared_place(SharedParameter which) const noexcept;
-  double error_of(std::initializer_list<std::pair<std::size_t, double>> parameters) const;
-  HierarchicalMaximum with_shared(SharedParameter held, double value, const HierarchicalMaximum& from,
-                                  double negligible, double wanted = -kInf);
-  double shared_end(const SharedEstimate& estimate, double side);
-  template <typename Held, typename Slope>
-  ProfileEnds ends(double estimate, double error, double furthest, const Held& held, const Slope& slope);
-  ProfileEnds mean_ends(std::size_t condition, double error);
-  ProfileEnds criterion_ends(std::size_t condition, double error);
+  HeldNumber mean_number(std::size_t condition) const;
+  HeldNumber criterion_number(std::size_t condition) const;
+  HeldNumber difference_number(std::size_t a, std::size_t b) const;
+  HeldNumber shared_number(SharedParameter which) const;
+  double drop_of(const HeldNumber& number, double value);
+  std::vector<Task> tasks_of(const HierarchicalWish& wish);
   template <typename AtEnd>
   SlopeStatus status_of(double ln_s, double log_likelihood, const AtEnd& at_end) const;
 
-  std::vector<HierarchicalCell> cells_;
+  std::vector<HierarchicalCell> cells_, answered_;  // those kept; all
   HierarchicalModel model_;
+  SearchEffort effort_;
+  std::vector<bool> kept_;
   HierarchicalForm form_;
   SearchRange range_;
-  HierarchicalLikelihood likelihood_;
+  double fineness_ = 1;
+  std::optional<HierarchicalSearch> search_;
   HierarchicalFit fit_;
-  bool looked_closely_ = false;
 };
 
 }  // namespace jnd

@@ -16,11 +16,14 @@ namespace jnd {
 
 namespace {
 
+// Nodes: a larger lattice is not kept for later, and laid out anew where that is so many times what is needed.
+constexpr std::size_t kMostKept = 10'000, kMostWaste = 3;
+constexpr double kAbout = 0.5;  // in ln s and units of the criterion: places so near have the same lattice
 // A standard deviation below this is 0: ln L is even in it, and differs from its value at 0 by less than rounding.
 constexpr double kLeastSpread = 1e-5;
 // Nodes a standard deviation of the posterior apart: the error of the sum is exp(-2 pi^2), 3e-9. The integrand may end
-// where it has fallen to that share of its peak; a range is cut a little further out for the next evaluation.
-constexpr double kSpacing = 1, kLogEdge = -19.6, kLogCut = -22;
+// where it has fallen to that share of its peak.
+constexpr double kSpacing = 1, kLogEdge = -19.6;
 constexpr double kFirstReach = 7,
                  kFurthest = 8;    // standard deviations: of the first range about the mode, of any about 0
 constexpr double kFollowed = 5.9;  // standard deviations of v
@@ -54,18 +57,22 @@ LatticeQuestion question_of(const HierarchicalCell& cell) {
   return {cell.level, cell.second_half};
 }
 
-std::vector<LatticeQuestion> questions_of(std::span<const HierarchicalCell> cells) {
-  std::vector<LatticeQuestion> questions;
-  for (const HierarchicalCell& cell : cells) questions.push_back(question_of(cell));
-  std::sort(questions.begin(), questions.end());
-  questions.erase(std::unique(questions.begin(), questions.end()), questions.end());
+std::vector<std::vector<LatticeQuestion>> questions_of(std::span<const HierarchicalCell> cells) {
+  std::vector<std::vector<LatticeQuestion>> questions;
+  for (const HierarchicalCell& cell : cells) {
+    questions.resize(std::max(questions.size(), static_cast<std::size_t>(cell.condition) + 1));
+    questions[static_cast<std::size_t>(cell.condition)].push_back(question_of(cell));
+  }
+  for (std::vector<LatticeQuestion>& of : questions) {
+    std::sort(of.begin(), of.end());
+    of.erase(std::unique(of.begin(), of.end()), of.end());
+  }
   return questions;
 }
 
-// Independent answers that would tell as much as these, which are alike (Kish's design effect).
-double independent_trials(const QuestionAnswers& answers, double overdispersion) {
-  const double n = answers.counts.trials();
-  return n / (1 + std::max(0.0, n - 1) * overdispersion);
+// Of a ladder of steps, a rung no longer than this one: neighbouring places have the same lattice.
+double rung_below(double step) {
+  return std::exp2(std::floor(std::log2(step)));
 }
 
 }  // namespace
@@ -87,137 +94,139 @@ HierarchicalLikelihood::HierarchicalLikelihood(std::span<const HierarchicalCell>
     : model_(model),
       shared_(shared),
       fineness_(fineness * fineness_of(model)),
-      questions_(questions_of(cells)),
-      responses_(model, questions_, shared, {}) {
+      questions_(questions_of(cells)) {
   std::size_t participants = 0;
-  for (const HierarchicalCell& cell : cells) {
+  for (const HierarchicalCell& cell : cells)
     participants = std::max(participants, static_cast<std::size_t>(cell.participant) + 1);
-    conditions_ = std::max(conditions_, static_cast<std::size_t>(cell.condition) + 1);
-  }
+  conditions_ = questions_.size();
+  narrowest_.resize(conditions_);
   std::vector<std::vector<QuestionAnswers>> answers(participants * conditions_);
   for (const HierarchicalCell& cell : cells) {
-    const auto question = static_cast<std::size_t>(
-        std::lower_bound(questions_.begin(), questions_.end(), question_of(cell)) - questions_.begin());
-    std::vector<QuestionAnswers>& of =
-        answers[static_cast<std::size_t>(cell.participant) * conditions_ + static_cast<std::size_t>(cell.condition)];
+    const auto condition = static_cast<std::size_t>(cell.condition);
+    const std::vector<LatticeQuestion>& asked = questions_[condition];
+    const auto question =
+        static_cast<std::size_t>(std::lower_bound(asked.begin(), asked.end(), question_of(cell)) - asked.begin());
+    std::vector<QuestionAnswers>& of = answers[static_cast<std::size_t>(cell.participant) * conditions_ + condition];
     auto known =
         std::find_if(of.begin(), of.end(), [question](const QuestionAnswers& one) { return one.question == question; });
     if (known == of.end()) known = of.insert(of.end(), {question, {}});
     known->counts += cell.counts();
   }
   people_.resize(participants);
-  for (std::size_t i = 0; i < answers.size(); ++i) people_[i / conditions_].cells.emplace_back(std::move(answers[i]));
-}
-
-void HierarchicalLikelihood::begin_like(const HierarchicalLikelihood& rougher) {
-  set_shared(rougher.shared_);
-  before_ = rougher.before_;
-  const double times = std::min(fineness_, 1.0) / std::min(rougher.fineness_, 1.0);
-  const auto widened = [times](const Range& range) {
-    const double middle = (range.low + range.high) / 2, reach = times * (range.high - range.low) / 2;
-    return Range{middle - reach, middle + reach};
-  };
-  for (std::size_t i = 0; i < people_.size(); ++i) {
-    const Person& from = rougher.people_[i];
-    Person& to = people_[i];
-    to.u = widened(from.u);
-    to.w = widened(from.w);
-    to.information_u = from.information_u;
-    to.information_w = from.information_w;
-    to.correlation = from.correlation;
+  for (std::size_t i = 0; i < participants; ++i) people_[i].number = i;
+  for (std::size_t c = 0; c < conditions_; ++c) {
+    Lattice& lattice = lattices_.emplace_back().emplace_back(Lattice{{model, questions_[c], shared, {}}, {}});
+    for (std::size_t i = 0; i < participants; ++i) lattice.cells.emplace_back(std::move(answers[i * conditions_ + c]));
   }
 }
 
 void HierarchicalLikelihood::set_shared(const SharedParameters& shared) {
   if (shared == shared_) return;
-  // Posteriors may be narrower with others: nodes are put anew.
-  constexpr double kFar = 0.03;
-  for (const SharedParameter which : kSharedParameters) {
-    const double now = value_of(shared_, which), then = value_of(shared, which);
-    if (now != then && !(std::abs(then - now) < kFar)) before_ = {};
-  }
   shared_ = shared;
-  responses_.set_shared(shared);
-  for (Person& person : people_)
-    for (CellLikelihood& cell : person.cells) cell.forget();
+  for (std::vector<Lattice>& of : lattices_) {
+    of.erase(of.begin() + 1, of.end());
+    of.front().responses.set_shared(shared);
+    for (CellLikelihood& cell : of.front().cells) cell.forget();
+  }
 }
 
 void HierarchicalLikelihood::look_beside(const HierarchicalPlace& place, const SharedForm& by) {
   const double unit = model_ == ResponseModel::choice ? std::exp(place.mu.front()) : 1;
-  std::size_t i = 0;
+  beside_.clear();
   for (const SharedParameter which : kSharedParameters) {
     if (!by.has(which)) continue;
     SharedParameters shared = shared_;
     value_of(shared, which) += step_of(which, value_of(shared, which), unit);
-    if (i == beside_.size()) beside_.push_back({which, 0, responses_});
-    ResponsesBeside& one = beside_[i++];
-    one.parameter = which;
-    one.step = value_of(shared, which) - value_of(shared_, which);
-    one.responses = responses_;
-    one.responses.set_shared(shared);
+    for (std::size_t c = 0; c < conditions_; ++c) {
+      beside_.push_back({which, value_of(shared, which) - value_of(shared_, which), c, responses(c)});
+      beside_.back().responses.set_shared(shared);
+    }
   }
-  beside_.erase(beside_.begin() + static_cast<std::ptrdiff_t>(i), beside_.end());
 }
 
 OfSharedParameters HierarchicalLikelihood::slope_by_shared(const Person& person, const Evaluation& at) {
   OfSharedParameters slope{};
-  for (std::size_t c = 0; c < conditions_; ++c) responses_.extend(at.read_by(c, at.box));
-  for (ResponsesBeside& beside : beside_) beside.responses.lay_out(responses_.range());
   for (std::size_t c = 0; c < conditions_; ++c) {
-    const CellLikelihood& cell = person.cells[c];
+    const CellLikelihood& answers = cell(person, c);
     const LatticeRange nodes = at.read_by(c, at.box);
-    const double here = cell.weighted_sum(nodes, at.by_cell[c], responses_);
-    for (const ResponsesBeside& beside : beside_)
+    responses(c).extend(nodes);
+    const double here = answers.weighted_sum(nodes, at.by_cell[c], responses(c));
+    for (ResponsesBeside& beside : beside_) {
+      if (beside.condition != c) continue;
+      beside.responses.lay_out(responses(c).range());
       slope[static_cast<std::size_t>(beside.parameter)] +=
-          (cell.weighted_sum(nodes, at.by_cell[c], beside.responses) - here) / beside.step;
+          (answers.weighted_sum(nodes, at.by_cell[c], beside.responses) - here) / beside.step;
+    }
   }
   return slope;
 }
 
 // The least standard errors that the answers of a cell could have about the place, or where logarithms are read those of
-// one answer for the criterion: how fine a lattice must be.
-void HierarchicalLikelihood::look_how_narrow(const HierarchicalPlace& place) {
+// one answer for the criterion.
+HierarchicalLikelihood::Narrowest HierarchicalLikelihood::look_how_narrow(std::size_t condition, double mu, double kappa,
+                                                                          int reach_s, int reach_k) const {
   SharedParameters without_lapses = shared_;  // which a cell tells more without
   without_lapses.lapse = 0;
+  const bool smooth = responses(condition).smooth();
+  std::vector<LevelTrials> design;  // the most that anybody has
+  for (const LatticeQuestion& question : questions_[condition]) design.push_back({question.level, 0});
+  for (const Person& person : people_)
+    for (const QuestionAnswers& one : cell(person, condition).answers())
+      design[one.question].trials = std::max(design[one.question].trials, one.counts.trials());
+  const double unit = model_ == ResponseModel::choice ? std::exp(mu) : 1;
   double most_s = 0, most_k = 0;
-  for (std::size_t c = 0; c < conditions_; ++c) {
-    std::vector<LevelTrials> design;  // the most that anybody has
-    for (const LatticeQuestion& question : questions_) design.push_back({question.level, 0});
-    for (const Person& person : people_)
-      for (const QuestionAnswers& one : person.cells[c].answers())
-        design[one.question].trials = std::max(design[one.question].trials, one.counts.trials());
-    const double unit = model_ == ResponseModel::choice ? std::exp(place.mu[c]) : 1;
-    for (const double s : {-1.0, -0.5, 0.0, 0.5, 1.0})
-      for (const double k : {-0.8, 0.0, 0.8}) {
-        const CellInformation told =
-            expected_information(model_, design, place.mu[c] + s, place.kappa[c] + k * unit, without_lapses);
-        most_s = std::max(most_s, told.s);
-        if (!responses_.smooth()) most_k = std::max(most_k, told.k);
-        for (const LevelTrials& level : design)
-          if (level.trials > 0 && responses_.smooth()) {
-            const LevelTrials one{level.level, 1};
-            most_k = std::max(most_k, expected_information(model_, std::span(&one, 1), place.mu[c] + s,
-                                                           place.kappa[c] + k * unit, without_lapses)
-                                          .k);
-          }
-      }
-  }
-  narrowest_ = 1 / std::sqrt(most_s);
-  finest_.ln_s = kLatticeStepS * narrowest_ / fineness_;
-  finest_.criterion = (responses_.smooth() ? kLogarithmStepK : kLatticeStepK) / std::sqrt(most_k) / fineness_;
+  for (int i = -reach_s; i <= reach_s; ++i)
+    for (int j = -reach_k; j <= reach_k; ++j) {
+      const double s = kAbout * i, k = kAbout * j * unit;
+      const CellInformation told = expected_information(model_, design, mu + s, kappa + k, without_lapses);
+      most_s = std::max(most_s, told.s);
+      if (!smooth) most_k = std::max(most_k, told.k);
+      for (const LevelTrials& level : design)
+        if (level.trials > 0 && smooth) {
+          const LevelTrials one{level.level, 1};
+          most_k = std::max(
+              most_k, expected_information(model_, std::span(&one, 1), mu + s, kappa + k, without_lapses).k);
+        }
+    }
+  constexpr double kWidest = 1;  // standard error: where answers tell next to nothing a lattice is no coarser
+  Narrowest found;
+  found.ln_s = std::min(kWidest, 1 / std::sqrt(most_s));
+  found.finest.ln_s = rung_below(kLatticeStepS * found.ln_s / fineness_);
+  found.finest.criterion =
+      rung_below((smooth ? kLogarithmStepK : kLatticeStepK) * std::min(kWidest * unit, 1 / std::sqrt(most_k)) / fineness_);
+  return found;
 }
 
 // Where the normal density of v is wide, the lattice of ln s may be coarser.
-void HierarchicalLikelihood::choose_lattice(const HierarchicalPlace& place) {
-  if (finest_.ln_s == 0) look_how_narrow(place);
-  constexpr double kTooFine = 1.6;  // times: then the lattice is laid out anew
-  const double product = place.tv * narrowest_ / std::hypot(place.tv, narrowest_);  // the width of both together
-  const double step = finest_.ln_s * std::max(1.0, std::floor(product / (finest_.ln_s * fineness_)));
-  const double now = responses_.steps().ln_s;
-  if (now > 0 && step >= now && step <= kTooFine * now) return;
-  responses_ = ResponseLattice(model_, questions_, shared_, {step, finest_.criterion});
-  for (Person& person : people_)
-    for (CellLikelihood& cell : person.cells) cell.forget();
+void HierarchicalLikelihood::choose_lattices(const HierarchicalPlace& place) {
+  for (std::size_t c = 0; c < conditions_; ++c) {
+    const int mu = static_cast<int>(std::lround(place.mu[c] / kAbout));
+    const double unit = model_ == ResponseModel::choice ? std::exp(kAbout * mu) : 1;
+    const int kappa = static_cast<int>(std::lround(place.kappa[c] / unit / kAbout));
+    // As far as people lie.
+    const int reach_s = 2 + static_cast<int>(std::ceil(2 * std::hypot(place.tu, place.tv) / kAbout)),
+              reach_k = 1 + static_cast<int>(std::ceil(2 * place.tw / unit / kAbout));
+    auto [known, added] = narrowest_[c].try_emplace({mu, kappa, reach_s, reach_k});
+    if (added) known->second = look_how_narrow(c, kAbout * mu, kAbout * kappa * unit, reach_s, reach_k);
+    const auto& [narrowest, finest] = known->second;
+    const double product = place.tv * narrowest / std::hypot(place.tv, narrowest);  // the width of both together
+    const double step = finest.ln_s * rung_below(std::max(1.0, product / (finest.ln_s * fineness_)));
+    std::vector<Lattice>& of = lattices_[c];
+    const auto same = std::find_if(of.begin(), of.end(), [&](const Lattice& one) {
+      return one.responses.steps().ln_s == step && one.responses.steps().criterion == finest.criterion;
+    });
+    if (same != of.end()) {
+      std::rotate(of.begin(), same, same + 1);
+      continue;
+    }
+    constexpr std::size_t kMostLattices = 3;
+    Lattice fresh{{model_, questions_[c], shared_, {step, finest.criterion}}, {}};
+    for (const CellLikelihood& cell : of.front().cells) fresh.cells.emplace_back(cell.answers());
+    const LatticeRange& range = of.front().responses.range();
+    if (range.empty() || range.nodes() > kMostKept) of.erase(of.begin());
+    if (of.size() == kMostLattices) of.pop_back();
+    of.insert(of.begin(), std::move(fresh));
+  }
 }
 
 // Where nodes are put: about the most likely deviations of the person.
@@ -227,8 +236,8 @@ void HierarchicalLikelihood::locate(Person& person, const HierarchicalPlace& pla
     PersonCell& cell = cells.emplace_back();
     cell.mu = place.mu[c];
     cell.kappa = place.kappa[c];
-    for (const QuestionAnswers& one : person.cells[c].answers())
-      cell.answers.push_back({questions_[one.question].level, one.counts});
+    for (const QuestionAnswers& one : this->cell(person, c).answers())
+      cell.answers.push_back({questions_[c][one.question].level, one.counts});
   }
   const PersonMode mode = person_mode(cells, model_, shared_, {place.tu, place.tv, place.tw, place.rho});
   person.information_u = mode.information_u;
@@ -241,40 +250,6 @@ void HierarchicalLikelihood::locate(Person& person, const HierarchicalPlace& pla
   };
   person.u = about(mode.u, place.tu, mode.information_u);
   person.w = about(mode.w, place.tw, mode.information_w);
-}
-
-// Those whose nodes lie nowhere yet, or so far from where the place has moved them that another range would have to
-// grow towards them.
-void HierarchicalLikelihood::look_around(const HierarchicalPlace& place) {
-  constexpr double kFar = 1.5;  // standard deviations of a person's posterior
-  const bool anew = before_.mu.empty() || (place.tu > 0) != (before_.tu > 0) || (place.tw > 0) != (before_.tw > 0);
-  double moved_s = 0, moved_k = 0;
-  for (std::size_t c = 0; c < conditions_ && !anew; ++c) {
-    moved_s = std::max(moved_s, std::abs(place.mu[c] - before_.mu[c]));
-    moved_k = std::max(moved_k, std::abs(place.kappa[c] - before_.kappa[c]));
-  }
-  const auto far = [](double moved, double prior, double information) {
-    const double by_answers = moved * information;  // a prior holds a person back
-    return by_answers * by_answers > kFar * kFar * (1 / (prior * prior) + information);
-  };
-  for (Person& person : people_)
-    if (anew || (place.tu > 0 && far(moved_s, place.tu, person.information_u)) ||
-        (place.tw > 0 && far(moved_k, place.tw, person.information_w)))
-      locate(person, place);
-  before_ = place;
-}
-
-std::vector<CellInformation> HierarchicalLikelihood::cell_information(const HierarchicalPlace& place) const {
-  std::vector<CellInformation> information;
-  std::vector<LevelTrials> design;
-  for (const Person& person : people_)
-    for (std::size_t c = 0; c < conditions_; ++c) {
-      design.clear();
-      for (const QuestionAnswers& one : person.cells[c].answers())
-        design.push_back({questions_[one.question].level, independent_trials(one, shared_.overdispersion)});
-      information.push_back(expected_information(model_, design, place.mu[c], place.kappa[c], shared_));
-    }
-  return information;
 }
 
 HierarchicalLikelihood::Rectangle HierarchicalLikelihood::rectangle_of(const Person& person,
@@ -301,9 +276,9 @@ void HierarchicalLikelihood::integrate(Person& person, Evaluation& at) {
   at.high = static_cast<std::size_t>(at.box.w1 - at.box.w0) + 1;
   for (std::size_t c = 0; c < conditions_; ++c) {
     const LatticeKernel& over_k = at.over_k[c];
-    CellLikelihood& cell = person.cells[c];
+    CellLikelihood& cell = this->cell(person, c);
     const LatticeRange needed = at.read_by(c, at.box);
-    cell.cover(needed, responses_);
+    cell.cover(needed, responses(c));
     at.first_s[c] = needed.s0;
     const std::size_t nodes = needed.wide(), stride = cell.range().wide();
     at.read[c].resize(nodes * at.high);
@@ -313,12 +288,13 @@ void HierarchicalLikelihood::integrate(Person& person, Evaluation& at) {
       interpolate_rows(cell.at(needed.s0, over_k.start(w)), stride, over_k.weights(w), over_k.by_centre(w), nodes,
                        &at.read[c][j * nodes], &at.by_criterion[c][j * nodes]);
     }
-    if (responses_.smooth()) {
+    if (responses(c).smooth()) {
       exponentiate(at.read[c], cell.largest());
       for (std::size_t i = 0; i < at.read[c].size(); ++i) at.by_criterion[c][i] *= at.read[c][i];
     }
     at.inner[c].resize(at.wide * at.high);
     weighted_sums(at.rows_of(c), at.read[c].data(), at.inner[c].data());
+    work_ += static_cast<double>(at.wide * at.high * at.over_s[c].taps());
   }
   at.lay_out_prior();
   at.multiply();
@@ -341,34 +317,30 @@ bool HierarchicalLikelihood::grown(Person& person, const Evaluation& at) const {
   return grew;
 }
 
-// False: the integrand is so much narrower than was thought that its nodes lie too far apart.
-bool HierarchicalLikelihood::remember(Person& person, const Evaluation& at) const {
+// False: the integrand is so much narrower than was thought that its nodes lie too far apart. Where all lies on one node
+// its variance is what was rounded, and half a spacing is what is known of its width.
+bool HierarchicalLikelihood::fine_enough(Person& person, const Evaluation& at) const {
   if (!at.anything_left()) return true;
-  const double share = std::exp(kLogCut * fineness_ * fineness_);
-  const auto cut = [share](const std::vector<double>& margin, int first, double spacing, Range& range) {
+  constexpr double kNarrow = 0.5, kNarrowest = 1e-4;  // the last: standard deviations of the prior
+  const Evaluation::Moments mean = at.moments();
+  const double share = std::exp(kLogEdge * fineness_ * fineness_);
+  const auto look = [share](double variance, double prior, double spacing, double& information, Range& range,
+                            const std::vector<double>& margin, int first) {
+    const double least = kNarrow * spacing * kNarrow * spacing;
+    if (variance >= least || spacing < kNarrowest * prior) return true;
+    information = 1 / least - 1 / (prior * prior);
+    // Where anything lies, and a little beyond.
     const double edge = share * *std::max_element(margin.begin(), margin.end());
     const auto large = [edge](double value) { return value >= edge; };
     const auto from = std::find_if(margin.begin(), margin.end(), large) - margin.begin();
     const auto to = margin.rend() - std::find_if(margin.rbegin(), margin.rend(), large) - 1;
-    // A little beyond the last node that is too small to count.
     range = {(first + static_cast<double>(from) - 1.3) * spacing, (first + static_cast<double>(to) + 1.3) * spacing};
+    return false;
   };
-  const Evaluation::Moments mean = at.moments();
-  if (at.has_u) cut(at.in_u, at.box.u0, at.spacing_u, person.u);
-  if (at.has_w) cut(at.in_w, at.box.w0, at.spacing_w, person.w);
-  // What the answers tell, which stays the same under another prior. Of a prior so narrow that they tell nothing beside
-  // it, what was known before is better. Where all lies on one node its variance is what was rounded, and half a
-  // spacing is what is known of its width.
-  constexpr double kTelling = 0.9, kNarrow = 0.5, kNarrowest = 1e-4;  // the last: standard deviations of the prior
-  const double var_u = mean.uu - mean.u * mean.u, var_w = mean.ww - mean.w * mean.w;
-  const auto learn = [](double variance, double prior, double spacing, double& information) {
-    const double least = kNarrow * spacing * kNarrow * spacing, known = std::max(variance, least);
-    if (known < kTelling * prior * prior) information = 1 / known - 1 / (prior * prior);
-    return variance >= least || spacing < kNarrowest * prior;
-  };
-  const bool u_fits = !at.has_u || learn(var_u, at.place.tu, at.spacing_u, person.information_u),
-             w_fits = !at.has_w || learn(var_w, at.place.tw, at.spacing_w, person.information_w);
-  person.correlation = var_u > 0 && var_w > 0 ? (mean.uw - mean.u * mean.w) / std::sqrt(var_u * var_w) : 0;
+  const bool u_fits = !at.has_u || look(mean.uu - mean.u * mean.u, at.place.tu, at.spacing_u, person.information_u,
+                                        person.u, at.in_u, at.box.u0);
+  const bool w_fits = !at.has_w || look(mean.ww - mean.w * mean.w, at.place.tw, at.spacing_w, person.information_w,
+                                        person.w, at.in_w, at.box.w0);
   return u_fits && w_fits;
 }
 
@@ -390,16 +362,16 @@ void HierarchicalLikelihood::go_back(const Person& person, Evaluation& at) const
     for (std::size_t j = 0; j < at.high; ++j) {
       at.by_read.assign(rows.nodes, 0);
       add_slopes(rows, &at.adjoint[j * at.wide], at.by_read.data());
-      if (responses_.smooth())
+      if (responses(c).smooth())
         for (std::size_t i = 0; i < rows.nodes; ++i) at.by_read[i] *= at.read[c][j * rows.nodes + i];
       const int w = at.box.w0 + static_cast<int>(j);
       const LatticeKernel& over_k = at.over_k[c];
       add_to_rows(at.by_read.data(), rows.nodes, over_k.weights(w), rows.nodes,
                   &at.by_cell[c][cell_nodes.place(cell_nodes.s0, over_k.start(w))]);
     }
-    if (responses_.smooth()) continue;
+    if (responses(c).smooth()) continue;
     for (int k = cell_nodes.k0; k <= cell_nodes.k1; ++k) {
-      const double* values = person.cells[c].at(cell_nodes.s0, k);
+      const double* values = cell(person, c).at(cell_nodes.s0, k);
       double* by = &at.by_cell[c][cell_nodes.place(cell_nodes.s0, k)];
       for (std::size_t i = 0; i < rows.nodes; ++i) by[i] *= values[i];
     }
@@ -430,14 +402,18 @@ HierarchicalLikelihood::Evaluation HierarchicalLikelihood::prepared(const Hierar
             more_w = at.has_w ? (at.all.w1 - at.all.w0) / 4 + 2 : 0;
   at.all = {at.all.u0 - more_u, at.all.u1 + more_u, at.all.w0 - more_w, at.all.w1 + more_w};
   for (std::size_t c = 0; c < conditions_; ++c) {
-    at.over_s.emplace_back(place.mu[c] + at.u(0), at.spacing_u, at.all.u0, at.all.u1, place.tv, responses_.steps().ln_s,
+    at.over_s.emplace_back(place.mu[c] + at.u(0), at.spacing_u, at.all.u0, at.all.u1, place.tv,
+                           responses(c).steps().ln_s,
                            kFollowed * std::min(fineness_, 1.0));
     at.over_k.emplace_back(place.kappa[c] + at.w(0), at.spacing_w, at.all.w0, at.all.w1, 0,
-                           responses_.steps().criterion, 0);
+                           responses(c).steps().criterion, 0);
+    const LatticeRange needed = at.read_by(c, asked);
+    if (responses(c).range().nodes() > std::max(kMostKept, kMostWaste * needed.nodes())) {
+      responses(c).forget();
+      for (CellLikelihood& cell : lattices_[c].front().cells) cell.forget();
+    }
+    responses(c).cover(needed);
   }
-  LatticeRange needed;
-  for (std::size_t c = 0; c < conditions_; ++c) needed = needed.united(at.read_by(c, asked));
-  responses_.cover(needed);
   at.by_s.resize(conditions_);
   at.by_kappa.resize(conditions_);
   at.by_cell.resize(conditions_);
@@ -461,7 +437,7 @@ bool HierarchicalLikelihood::settled(Person& person, Evaluation& at) {
 double HierarchicalLikelihood::log_of(const Person& person, const Evaluation& at) const {
   if (!at.anything_left()) return -kInf;
   double value = std::log(at.total);
-  for (const CellLikelihood& cell : person.cells) value += cell.largest();
+  for (std::size_t c = 0; c < conditions_; ++c) value += cell(person, c).largest();
   return value;
 }
 
@@ -488,8 +464,8 @@ HierarchicalPlace HierarchicalLikelihood::slope_of(const Evaluation& at) const {
 template <typename Each>
 void HierarchicalLikelihood::through_everybody(const HierarchicalPlace& place, Each&& each, const NodeOffset& offset,
                                                const SharedForm& by) {
-  choose_lattice(place);
-  look_around(place);
+  choose_lattices(place);
+  for (Person& person : people_) locate(person, place);
   for (;;) {
     Evaluation at = prepared(place, offset);
     at.back_to_cells = by.any();
@@ -498,7 +474,7 @@ void HierarchicalLikelihood::through_everybody(const HierarchicalPlace& place, E
     for (; done < people_.size() && settled(people_[done], at); ++done) {
       go_back(people_[done], at);
       each(done, at);
-      if (!remember(people_[done], at)) break;
+      if (!fine_enough(people_[done], at)) break;
     }
     if (done == people_.size()) return;
   }
@@ -522,10 +498,7 @@ HierarchicalLikelihood::Value HierarchicalLikelihood::at(const HierarchicalPlace
     value.log_likelihood += values[i];
     if (!std::isfinite(values[i])) continue;
     value.slope += slopes[i];
-    for (std::size_t k = 0; k < by_shared[i].size(); ++k) {
-      value.by_shared[k] += by_shared[i][k];
-      value.squares_by_shared[k] += by_shared[i][k] * by_shared[i][k];
-    }
+    for (std::size_t k = 0; k < by_shared[i].size(); ++k) value.by_shared[k] += by_shared[i][k];
   }
   return value;
 }
@@ -544,7 +517,7 @@ std::vector<PersonPosterior> HierarchicalLikelihood::posteriors(const Hierarchic
         for (std::size_t tap = 0; tap < over_s.taps(); ++tap) {
           const double share =
               over_s.weights(u)[tap] * at.by_s[c][static_cast<std::size_t>(u - at.box.u0) * over_s.taps() + tap];
-          const double ln_s = (over_s.start(u) + static_cast<int>(tap)) * responses_.steps().ln_s;
+          const double ln_s = (over_s.start(u) + static_cast<int>(tap)) * responses(c).steps().ln_s;
           mean += share * ln_s;
           square += share * ln_s * ln_s;
         }

@@ -13,14 +13,18 @@
 // spaced nodes about the participant's own posterior (trapezoid rule: for what falls off like a normal density its error
 // falls with exp(-2 pi^2 (sd/spacing)^2)); at every node the integral over v is a weighted sum of lattice nodes
 // (lattice_kernel.h). The derivatives by all weights come from one pass backwards, and give those by all parameters.
+// Nodes and lattices depend on the place alone, not on the places before it: ln L is a function.
 //
 // Source: Pinheiro and Bates 1995, J Comput Graph Stat 4:12 (adaptive quadrature about the posterior); Trefethen and
 // Weideman 2014, SIAM Review 56:385 (the trapezoid rule). Tests: glmer of lme4 with 25 nodes and two independent
 // implementations, analysis/selftest.
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <map>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "analysis/hierarchical/response_lattice.h"
@@ -69,9 +73,6 @@ class HierarchicalLikelihood {
   HierarchicalLikelihood(std::span<const HierarchicalCell> cells, ResponseModel model, const SharedParameters& shared,
                          double fineness = 1);
 
-  // The next evaluation puts its nodes where the last one of a rougher likelihood of the same cells found everybody.
-  void begin_like(const HierarchicalLikelihood& rougher);
-
   // From here on with these.
   void set_shared(const SharedParameters& shared);
   const SharedParameters& shared() const noexcept { return shared_; }
@@ -79,9 +80,7 @@ class HierarchicalLikelihood {
   struct Value {
     double log_likelihood = 0;  // -inf, with the slopes of the others, where somebody's underflows
     HierarchicalPlace slope;    // its derivatives; by tu, tv, tw: 0 at 0, where ln L is even
-    // By the shared parameters asked for; and the sums over participants of the squares of theirs, which tell about how
-    // much is known of each.
-    OfSharedParameters by_shared{}, squares_by_shared{};
+    OfSharedParameters by_shared{};  // by the shared parameters asked for
   };
   Value at(const HierarchicalPlace& given, const SharedForm& by = {});
   std::vector<PersonPosterior> posteriors(const HierarchicalPlace& given);
@@ -91,19 +90,19 @@ class HierarchicalLikelihood {
   std::vector<std::vector<PersonDeviation>> deviations(const HierarchicalPlace& given, const NodeOffset& offset,
                                                        std::span<const std::vector<double>> numbers);
 
-  // The expected information of every cell's answers there, by participant and condition.
-  std::vector<CellInformation> cell_information(const HierarchicalPlace& place) const;
-
   std::size_t participants() const noexcept { return people_.size(); }
   std::size_t conditions() const noexcept { return conditions_; }
+  // How much has been summed since it was made: nodes of integrals, times those of v at each. It measures time, and is
+  // the same on every machine.
+  double work() const noexcept { return work_; }
 
  private:
   struct Range {
     double low = 0, high = 0;
   };
-  // What the last evaluation found of a participant: where the nodes go next time.
+  // Of the evaluation at work: where the nodes go.
   struct Person {
-    std::vector<CellLikelihood> cells;  // by condition
+    std::size_t number = 0;
     Range u, w;
     double information_u = 0, information_w = 0;  // of the answers, about each alone
     double correlation = 0;                       // of u and w in the posterior
@@ -113,19 +112,39 @@ class HierarchicalLikelihood {
   };
   struct Evaluation;
 
-  // Responses a step of one shared parameter beside: what log-likelihoods differ by tells the derivative.
+  // Responses of a condition a step of one shared parameter beside: what log-likelihoods differ by tells the derivative.
   struct ResponsesBeside {
     SharedParameter parameter{};
     double step = 0;
+    std::size_t condition = 0;
     ResponseLattice responses;
   };
+  // What is known of a condition's answers on lattices of some steps.
+  struct Lattice {
+    ResponseLattice responses;
+    std::vector<CellLikelihood> cells;  // by participant
+  };
+  // How fine a lattice must be about a place.
+  struct Narrowest {
+    double ln_s = 0;  // the least standard error that a cell's answers could have, without lapses
+    LatticeSteps finest;
+  };
 
+  ResponseLattice& responses(std::size_t condition) noexcept { return lattices_[condition].front().responses; }
+  CellLikelihood& cell(const Person& person, std::size_t condition) noexcept {
+    return lattices_[condition].front().cells[person.number];
+  }
+  const ResponseLattice& responses(std::size_t condition) const noexcept {
+    return lattices_[condition].front().responses;
+  }
+  const CellLikelihood& cell(const Person& person, std::size_t condition) const noexcept {
+    return lattices_[condition].front().cells[person.number];
+  }
   void look_beside(const HierarchicalPlace& place, const SharedForm& by);
   OfSharedParameters slope_by_shared(const Person& person, const Evaluation& at);
-  void look_how_narrow(const HierarchicalPlace& place);
-  void choose_lattice(const HierarchicalPlace& place);
+  Narrowest look_how_narrow(std::size_t condition, double mu, double kappa, int reach_s, int reach_k) const;
+  void choose_lattices(const HierarchicalPlace& place);
   void locate(Person& person, const HierarchicalPlace& place) const;
-  void look_around(const HierarchicalPlace& place);
   Evaluation prepared(const HierarchicalPlace& place, const NodeOffset& offset);
   template <typename Each>
   void through_everybody(const HierarchicalPlace& place, Each&& each, const NodeOffset& offset = {},
@@ -137,19 +156,20 @@ class HierarchicalLikelihood {
   void go_back(const Person& person, Evaluation& at) const;
   double log_of(const Person& person, const Evaluation& at) const;
   HierarchicalPlace slope_of(const Evaluation& at) const;
-  bool remember(Person& person, const Evaluation& at) const;
+  bool fine_enough(Person& person, const Evaluation& at) const;
 
   ResponseModel model_;
   SharedParameters shared_;
   double fineness_;
   std::size_t conditions_ = 0;
-  std::vector<LatticeQuestion> questions_;
-  double narrowest_ = 0;  // the least standard error that a cell's answers could have of ln s, without lapses
-  LatticeSteps finest_;
-  ResponseLattice responses_;
+  // By condition: what was asked, how fine lattices must be about the places that were looked at, and the lattice of now
+  // before some earlier ones.
+  std::vector<std::vector<LatticeQuestion>> questions_;
+  std::vector<std::map<std::array<int, 4>, Narrowest>> narrowest_;
+  std::vector<std::vector<Lattice>> lattices_;
   std::vector<ResponsesBeside> beside_;
   std::vector<Person> people_;
-  HierarchicalPlace before_;  // of the last evaluation
+  double work_ = 0;
 };
 
 }  // namespace jnd

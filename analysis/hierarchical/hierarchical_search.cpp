@@ -6,35 +6,27 @@
 #include <iterator>
 #include <map>
 #include <numeric>
-#include <optional>
 #include <set>
 #include <stdexcept>
 #include <utility>
 
 #include "analysis/hierarchical/corrected_curvature.h"
-#include "analysis/hierarchical/hierarchical_information.h"
 #include "analysis/numerics/box_newton.h"
+#include "analysis/numerics/stop_request.h"
 
 namespace jnd {
 
 namespace {
 
-// How far a search goes from its start: a factor of 50 in ln s, criteria of 6, spreads of 2.
-constexpr double kFurthestMean = 4, kFurthestCriterion = 6, kLargestSpread = 2, kLargestCorrelation = 0.995;
-// The smallest spread of a search. ln L is smooth in the square of a spread, which is what is searched, and differs
-// between 0 and here by next to nothing, but only beyond 0 does it have a slope in that square.
-constexpr double kSmallestSpread = 1e-3;
 constexpr double kPooledNegligible = 1e-10;  // ln L of the pooled answers
-constexpr double kRidge = 1e-3;              // least curvature of every variable
+constexpr double kRoughly = 0.75;            // of the fineness of nodes
+constexpr double kRidge = 1e-3;              // least curvature of every variable, in its unit
 
 // Where a search stands.
 struct SearchedPlace {
   HierarchicalPlace place;
   SharedParameters shared;
 };
-
-// Of shared parameters: how far a step may go that knows only a slope, and the least curvature.
-constexpr double kLongestOfRates = 0.1, kLongestOfOthers = 1, kLeastOfShared = 1e-3;
 
 // Places as vectors of what is free, and back. Spreads enter squared.
 class Variables {
@@ -46,6 +38,7 @@ class Variables {
       if (form.shared.has(which)) shared_.push_back(which);
   }
 
+  std::size_t means() const noexcept { return means_; }
   std::size_t count() const noexcept {
     return means_ + criteria() + static_cast<std::size_t>(form_.tu + form_.tv + form_.tw + form_.rho) + shared_.size();
   }
@@ -104,79 +97,22 @@ class Variables {
     return slope;
   }
 
-  // Of a matrix over all parameters (hierarchical_information.h) what concerns the free ones.
-  std::vector<double> curvature(const std::vector<double>& full) const {
-    const std::vector<FreeParameter> free = free_parameters();
-    const std::size_t n = count();
-    std::vector<double> out(n * n, 0);
-    for (std::size_t i = 0; i < free.size(); ++i)
-      for (std::size_t j = 0; j < free.size(); ++j)
-        if (free[i].variable >= 0 && free[j].variable >= 0)
-          out[static_cast<std::size_t>(free[i].variable) * n + static_cast<std::size_t>(free[j].variable)] +=
-              free[i].unit * free[j].unit * full[i * free.size() + j];
-    for (std::size_t i = 0; i < n; ++i) out[i * n + i] += kRidge;
-    return out;
-  }
-
-  // Of numbers, one for each parameter, what each variable brings.
-  std::vector<double> sums(const std::vector<double>& full) const {
-    const std::vector<FreeParameter> free = free_parameters();
-    std::vector<double> out(count(), 0);
-    for (std::size_t i = 0; i < free.size(); ++i)
-      if (free[i].variable >= 0) out[static_cast<std::size_t>(free[i].variable)] += free[i].unit * full[i];
-    return out;
-  }
-
-  // What the slope becomes, by that matrix, where the means and shared parameters are no longer those of another place.
-  void move_slope(const std::vector<double>& full, const SearchedPlace& from, std::vector<double>& slope) const {
-    std::vector<double> less(first_shared() + kSharedParameters.size(), 0);
-    for (std::size_t c = 0; c < conditions_; ++c) less[c] = from.place.mu[c] - start_.place.mu[c];
-    for (std::size_t i = 0; i < kSharedParameters.size(); ++i) {
-      const double before = value_of(from.shared, kSharedParameters[i]),
-                   now = value_of(start_.shared, kSharedParameters[i]);
-      if (before != now) less[first_shared() + i] = before - now;
+  // Of a search that knows nothing yet: what each participant tells at spreads of about a third, and no first step longer
+  // than these in any variable.
+  std::vector<double> first_curvature(const std::vector<double>& slope, std::size_t participants) const {
+    constexpr double kLongest = 0.5, kLongestOfSquares = 0.1, kLongestOfRates = 0.05;
+    constexpr double kOfOne = 4, kOfOneSquare = 20;
+    const std::size_t n = count(), spreads = static_cast<std::size_t>(form_.tu + form_.tv + form_.tw);
+    std::vector<double> curvature(n * n, 0);
+    for (std::size_t i = 0; i < n; ++i) {
+      const std::size_t before_shared = n - shared_.size(), squares = means_ + criteria();
+      const bool rate = i >= before_shared && at_least_zero(shared_[i - before_shared]);
+      const bool square = i >= squares && i < squares + spreads;
+      curvature[i * (n + 1)] =
+          std::max((square || rate ? kOfOneSquare : kOfOne) * static_cast<double>(participants),
+                   std::abs(slope[i]) / (rate ? kLongestOfRates : square ? kLongestOfSquares : kLongest));
     }
-    std::vector<double> more(less.size(), 0);
-    for (std::size_t i = 0; i < less.size(); ++i)
-      for (std::size_t j = 0; j < less.size(); ++j) more[i] += full[i * less.size() + j] * less[j];
-    more = sums(more);
-    for (std::size_t i = 0; i < slope.size(); ++i) slope[i] += more[i];
-  }
-
-  // That matrix where nothing is known yet: of a linear mixed model, and of the scores of participants.
-  std::vector<double> first_information(const std::vector<double>& mixed_model,
-                                        const HierarchicalLikelihood::Value& at) const {
-    const std::size_t known = first_shared(), all = known + kSharedParameters.size();
-    std::vector<double> full(all * all, 0);
-    for (std::size_t i = 0; i < known; ++i)
-      for (std::size_t j = 0; j < known; ++j) full[i * all + j] = mixed_model[i * known + j];
-    for (const SharedParameter which : shared_) {
-      const double unit = unit_of(which);
-      const double longest = at_least_zero(which) ? kLongestOfRates : kLongestOfOthers;
-      full[(known + static_cast<std::size_t>(which)) * (all + 1)] =
-          std::max({of(at.squares_by_shared, which), std::abs(of(at.by_shared, which)) / (longest * unit),
-                    kLeastOfShared / (unit * unit)});
-    }
-    return full;
-  }
-
-  // Back: that matrix with what a search has found of the parameters that were free each for itself.
-  std::vector<double> information(std::vector<double> full, const std::vector<double>& curvature) const {
-    const std::vector<FreeParameter> free = free_parameters();
-    const std::size_t n = count();
-    const auto alone = [&](std::size_t i) {
-      return free[i].variable >= 0 && std::count_if(free.begin(), free.end(), [&](const FreeParameter& one) {
-                                        return one.variable == free[i].variable;
-                                      }) == 1;
-    };
-    for (std::size_t i = 0; i < free.size(); ++i)
-      for (std::size_t j = 0; j < free.size(); ++j)
-        if (alone(i) && alone(j))
-          full[i * free.size() + j] =
-              (curvature[static_cast<std::size_t>(free[i].variable) * n + static_cast<std::size_t>(free[j].variable)] -
-               (i == j ? kRidge : 0)) /
-              (free[i].unit * free[j].unit);
-    return full;
+    return curvature;
   }
 
   NewtonBox box(const std::vector<double>& x) const {
@@ -186,12 +122,20 @@ class Variables {
       box.lower.push_back(std::min(at, low));
       box.upper.push_back(std::max(at, high));
     };
-    const auto about = [&](double reach) { add(x[box.lower.size()] - reach, x[box.lower.size()] + reach); };
-    for (std::size_t i = 0; i < means_; ++i)
-      add(std::max(form_.lowest, x[i] - kFurthestMean), std::min(form_.highest, x[i] + kFurthestMean));
-    for (std::size_t c = 0; c < criteria(); ++c) about(kFurthestCriterion);
-    for (int i = 0; i < form_.tu + form_.tv + form_.tw; ++i)
-      add(kSmallestSpread * kSmallestSpread, kLargestSpread * kLargestSpread);
+    for (std::size_t i = 0; i < means_; ++i) {
+      double low = -kInf, high = kInf;
+      for (std::size_t c = 0; c < conditions_; ++c)
+        if (form_.of[c] == static_cast<int>(i)) {
+          low = std::max(low, form_.lowest - form_.offset[c]);
+          high = std::min(high, form_.highest - form_.offset[c]);
+        }
+      add(low, high);
+    }
+    for (std::size_t c = 0; c < criteria(); ++c) add(form_.lowest_criterion / unit_, form_.highest_criterion / unit_);
+    const auto spread = [&](double largest) { add(kSmallestSpread * kSmallestSpread, largest * largest); };
+    if (form_.tu) spread(kLargestSpread);
+    if (form_.tv) spread(kLargestSpread);
+    if (form_.tw) spread(kLargestSpreadOfCriteria);
     if (form_.rho) add(-kLargestCorrelation, kLargestCorrelation);
     for (const SharedParameter which : shared_) {
       const SharedLimits limits = limits_of(which, unit_);
@@ -210,32 +154,16 @@ class Variables {
   }
 
  private:
-  struct FreeParameter {
-    int variable = -1;  // -1: held
-    double unit = 1;
-  };
-  // In the order of a matrix over all parameters.
-  std::vector<FreeParameter> free_parameters() const {
-    std::vector<FreeParameter> free;
-    for (const int one : form_.of) free.push_back({one});
-    int next = static_cast<int>(means_);
-    for (std::size_t c = 0; c < conditions_; ++c) free.push_back({holds_criterion(c) ? -1 : next++, unit_});
-    for (const bool spread : {form_.tu, form_.tv}) free.push_back({spread ? next++ : -1});
-    free.push_back({form_.tw ? next++ : -1, unit_ * unit_});
-    free.push_back({form_.rho ? next++ : -1});
-    for (const SharedParameter which : kSharedParameters)
-      free.push_back({form_.shared.has(which) ? next++ : -1, unit_of(which)});
-    return free;
-  }
   bool holds_criterion(std::size_t condition) const noexcept {
-    return form_.held_criterion == static_cast<int>(condition);
+    return condition < form_.held_criteria.size() && form_.held_criteria[condition];
   }
-  std::size_t first_shared() const noexcept { return 2 * conditions_ + 4; }
   double unit_of(SharedParameter which) const noexcept { return of_criterion(which) ? unit_ : 1; }
   static double of(const OfSharedParameters& numbers, SharedParameter which) noexcept {
     return numbers[static_cast<std::size_t>(which)];
   }
-  std::size_t criteria() const noexcept { return conditions_ - (form_.held_criterion >= 0 ? 1 : 0); }
+  std::size_t criteria() const noexcept {
+    return conditions_ - static_cast<std::size_t>(std::count(form_.held_criteria.begin(), form_.held_criteria.end(), true));
+  }
 
   const HierarchicalForm& form_;
   SearchedPlace start_;
@@ -244,46 +172,47 @@ class Variables {
   std::vector<SharedParameter> shared_;
 };
 
-// What maximise_in_box asks for. The curvature begins as what is known, or as that of a linear mixed model, and is
-// corrected by every step.
+struct OutOfWork {};
+
+// What maximise_in_box asks for. Every step corrects the curvature.
 class SearchedLikelihood {
  public:
   SearchedLikelihood(HierarchicalLikelihood& likelihood, const HierarchicalForm& form, const Variables& variables,
-                     std::vector<double> information)
-      : likelihood_(likelihood), form_(form), variables_(variables), information_(std::move(information)) {}
+                     const std::vector<double>& curvature, double most_work = kInf)
+      : likelihood_(likelihood), form_(form), variables_(variables), first_(curvature), most_work_(most_work) {}
 
   double value(const std::vector<double>& x) const { return look_at(x).log_likelihood; }
 
   HierarchicalLikelihood::Value look(const SearchedPlace& at) const {
+    stop_if_requested();
+    if (likelihood_.work() > most_work_ && !best_.empty()) throw OutOfWork();
     likelihood_.set_shared(at.shared);
     return likelihood_.at(at.place, form_.shared);
   }
 
   void derivatives(const std::vector<double>& x, NewtonDerivatives& at) const {
     const HierarchicalLikelihood::Value& value = look_at(x);
-    const HierarchicalPlace place = variables_.to(x).place;
     at.value = value.log_likelihood;
-    at.gradient = variables_.slope(value.slope, value.by_shared, place);
-    if (curvature_.empty()) {
-      if (information_.empty())
-        information_ =
-            variables_.first_information(marginal_information(likelihood_.cell_information(place), place), value);
-      curvature_.begin(variables_.curvature(information_), x, at.gradient);
-    } else {
+    at.gradient = variables_.slope(value.slope, value.by_shared, variables_.to(x).place);
+    const bool known = first_.size() == x.size() * x.size();
+    if (!curvature_.empty())
       curvature_.correct(x, at.gradient);
-    }
+    else
+      curvature_.begin(known ? first_ : variables_.first_curvature(at.gradient, likelihood_.participants()), x,
+                       at.gradient);
     at.curvature = at.expected = curvature_.matrix();
   }
 
   void turned_down() const { curvature_.undo(); }
 
-  std::vector<double> information() const { return variables_.information(information_, curvature_.matrix()); }
+  const std::vector<double>& curvature() const { return curvature_.matrix(); }
+  const std::vector<double>& best() const noexcept { return best_; }  // of the places that were looked at
 
   // Of a place that was looked at: the last one, or the one before, which a search comes back to.
-  std::optional<HierarchicalLikelihood::Value> found_at(const std::vector<double>& x) const {
+  HierarchicalLikelihood::Value found_at(const std::vector<double>& x) const {
     for (const auto& [place, value] : looked_at_)
       if (place == x) return value;
-    return std::nullopt;
+    return likelihood_.at(variables_.to(x).place, form_.shared);
   }
 
  private:
@@ -291,14 +220,22 @@ class SearchedLikelihood {
     for (const auto& [place, value] : looked_at_)
       if (place == x) return value;
     if (looked_at_.size() > 1) looked_at_.erase(looked_at_.begin());
-    return looked_at_.emplace_back(x, look(variables_.to(x))).second;
+    const HierarchicalLikelihood::Value& value = looked_at_.emplace_back(x, look(variables_.to(x))).second;
+    if (best_.empty() || value.log_likelihood > best_value_) {
+      best_ = x;
+      best_value_ = value.log_likelihood;
+    }
+    return value;
   }
 
   HierarchicalLikelihood& likelihood_;
   const HierarchicalForm& form_;
   const Variables& variables_;
-  mutable std::vector<double> information_;
+  const std::vector<double>& first_;
+  double most_work_;
   mutable CorrectedCurvature curvature_;
+  mutable std::vector<double> best_;
+  mutable double best_value_ = -kInf;
   mutable std::vector<std::pair<std::vector<double>, HierarchicalLikelihood::Value>> looked_at_;
 };
 
@@ -377,39 +314,24 @@ HierarchicalPlace moved(const HierarchicalForm& form, const HierarchicalPlace& p
   return out;
 }
 
-HierarchicalMaximum moved(const HierarchicalForm& form, const HierarchicalMaximum& from, const SharedParameters& held,
-                          double criterion_unit) {
-  HierarchicalMaximum out = from;
-  out.place = moved(form, from.place);
-  out.shared = held;
-  const Variables variables(form, {out.place, out.shared}, criterion_unit);
-  std::vector<double> x = variables.start(), step;
-  NewtonDerivatives at;
-  at.gradient = variables.slope(from.slope, from.slope_by_shared, variables.to(x).place);
-  variables.move_slope(from.information, {from.place, from.shared}, at.gradient);
-  at.curvature = at.expected = variables.curvature(from.information);
-  const NewtonBox box = variables.box(x);
-  if (!newton_direction(at, box, x, step)) return out;
-  for (std::size_t i = 0; i < x.size(); ++i) x[i] = std::clamp(x[i] + step[i], box.lower[i], box.upper[i]);
-  const SearchedPlace there = variables.to(x);
-  out.place = variables.settled(there.place);
-  out.shared = there.shared;
-  return out;
-}
-
 HierarchicalMaximum maximise(HierarchicalLikelihood& likelihood, const HierarchicalForm& form,
-                             const HierarchicalMaximum& from, double criterion_unit, double negligible, double wanted) {
+                             const HierarchicalMaximum& from, double criterion_unit, double negligible,
+                             double most_work, double wanted) {
   const Variables variables(form, {from.place, from.shared}, criterion_unit);
-  const SearchedLikelihood function(likelihood, form, variables, from.information);
+  const SearchedLikelihood function(likelihood, form, variables, from.curvature, most_work);
   const std::vector<double> x = variables.start();
-  const NewtonResult found = maximise_in_box(function, x, variables.box(x), wanted, negligible);
+  NewtonResult found;
+  try {
+    found = maximise_in_box(function, x, variables.box(x), wanted, negligible);
+  } catch (const OutOfWork&) {
+    found.place = function.best();
+  }
   HierarchicalMaximum maximum;
   const auto [place, shared] = variables.to(found.place);
   maximum.place = variables.settled(place);
   maximum.shared = shared;
+  HierarchicalLikelihood::Value value = function.found_at(found.place);
   likelihood.set_shared(shared);
-  const std::optional<HierarchicalLikelihood::Value> known = function.found_at(found.place);
-  HierarchicalLikelihood::Value value = known ? *known : function.look({place, shared});
   // At 0 ln L differs from its value at the smallest spread by its slope in the square, to 1e-10; other slopes by less.
   for (double HierarchicalPlace::*spread : {&HierarchicalPlace::tu, &HierarchicalPlace::tv, &HierarchicalPlace::tw}) {
     if (maximum.place.*spread == place.*spread) continue;
@@ -420,78 +342,76 @@ HierarchicalMaximum maximise(HierarchicalLikelihood& likelihood, const Hierarchi
   maximum.slope_by_shared = value.by_shared;
   maximum.log_likelihood = value.log_likelihood;
   maximum.converged = found.converged && std::isfinite(value.log_likelihood);
-  maximum.information = function.information();
+  maximum.curvature = function.curvature();
   return maximum;
 }
 
-HierarchicalMaximum maximise(HierarchicalLikelihood& likelihood, const HierarchicalForm& form,
-                             const HierarchicalPlace& start, double criterion_unit, double negligible,
-                             const std::vector<double>& information) {
-  HierarchicalMaximum from;
-  from.place = start;
-  from.shared = likelihood.shared();
-  from.information = information;
-  return maximise(likelihood, form, from, criterion_unit, negligible);
+HierarchicalSearch::HierarchicalSearch(std::span<const HierarchicalCell> cells, ResponseModel model,
+                                       const SharedParameters& shared, double fineness, double criterion_unit)
+    : likelihood_(cells, model, shared, fineness),
+      rough_(cells, model, shared, kRoughly * fineness),
+      unit_(criterion_unit) {}
+
+HierarchicalMaximum HierarchicalSearch::climbed(const HierarchicalForm& form, const HierarchicalMaximum& from,
+                                                double most_work, double negligible) {
+  return maximise(likelihood_, form, from, unit_, negligible, most_work - rough_.work());
 }
 
-HierarchicalMaximum maximise_by_way_of(HierarchicalLikelihood& rough, HierarchicalLikelihood& likelihood,
-                                       const HierarchicalForm& form, const HierarchicalMaximum& from,
-                                       double criterion_unit, double negligible) {
-  constexpr double kNear = 1e-5;  // of ln L
-  const HierarchicalMaximum near = maximise(rough, form, from, criterion_unit, kNear);
-  likelihood.begin_like(rough);
-  return maximise(likelihood, form, near, criterion_unit, negligible);
+bool HierarchicalSearch::improve(const HierarchicalForm& form, HierarchicalMaximum start, HierarchicalMaximum& best,
+                                 double most_work) {
+  constexpr double kRoughlyNegligible = 1e-3, kPromising = 1e-4;  // of ln L
+  start.curvature.clear();
+  rough_.set_shared(best.shared);
+  const double known = rough_.at(best.place).log_likelihood;
+  const HierarchicalMaximum found = maximise(rough_, form, start, unit_, kRoughlyNegligible,
+                                             most_work - likelihood_.work(), known + kPromising);
+  if (std::isfinite(known) && !(found.log_likelihood > known + kPromising)) return false;
+  HierarchicalMaximum better = climbed(form, found, most_work);
+  if (!(better.log_likelihood > best.log_likelihood + kNegligible) && std::isfinite(best.log_likelihood)) return false;
+  best = std::move(better);
+  return true;
 }
 
-void observe_information(HierarchicalLikelihood& likelihood, const HierarchicalForm& form, HierarchicalMaximum& maximum,
-                         double criterion_unit) {
-  constexpr double kStep = 0.05;  // standard errors
+std::vector<double> covariance_of_means(HierarchicalLikelihood& likelihood, const HierarchicalForm& form,
+                                        const HierarchicalMaximum& maximum, double criterion_unit) {
+  constexpr double kStep = 1e-2, kHeld = 1e12;  // times its curvature: what lies at the end of what it can be
   const Variables variables(form, {maximum.place, maximum.shared}, criterion_unit);
   const SearchedLikelihood function(likelihood, form, variables, {});
-  const std::vector<double> x = variables.start(), expected = variables.curvature(maximum.information);
+  const std::vector<double> x = variables.start();
   const NewtonBox box = variables.box(x);
   const auto slope_at = [&](const std::vector<double>& there) {
     const SearchedPlace place = variables.to(there);
     const HierarchicalLikelihood::Value value = function.look(place);
     return variables.slope(value.slope, value.by_shared, place.place);
   };
-  const std::size_t n = x.size();
+  const std::size_t n = x.size(), means = variables.means();
   const std::vector<double> here = slope_at(x);
-  std::vector<double> observed(n * n, 0);
+  std::vector<double> information(n * n, 0);
   for (std::size_t i = 0; i < n; ++i) {
     std::vector<double> beside = x;
-    const double step = kStep / std::sqrt(expected[i * n + i]);
-    beside[i] += x[i] + step > box.upper[i] ? -step : step;
+    beside[i] += x[i] + kStep > box.upper[i] ? -kStep : kStep;
     const std::vector<double> slope = slope_at(beside);
     for (std::size_t j = 0; j < n; ++j) {
       const double second = (here[j] - slope[j]) / (beside[i] - x[i]);
-      observed[i * n + j] += second / 2;
-      observed[j * n + i] += second / 2;
+      information[i * n + j] += second / 2;
+      information[j * n + i] += second / 2;
     }
   }
-  likelihood.set_shared(maximum.shared);
-  std::vector<double> factored = observed, unused(n, 0);
-  if (solve_positive_definite(factored, unused))
-    maximum.information = variables.information(maximum.information, observed);
-}
-
-double standard_error(const HierarchicalForm& form, const HierarchicalMaximum& maximum,
-                      const std::vector<double>& times, double criterion_unit) {
-  constexpr double kHeld = 1e12;  // times its curvature: what else lies at the end of what it can be
-  const Variables variables(form, {maximum.place, maximum.shared}, criterion_unit);
-  const std::vector<double> x = variables.start(), wanted = variables.sums(times),
-                            slope = variables.slope(maximum.slope, maximum.slope_by_shared, variables.to(x).place);
-  const NewtonBox box = variables.box(x);
-  std::vector<double> curvature = variables.curvature(maximum.information), moves = wanted;
-  for (std::size_t i = 0; i < x.size(); ++i)
-    if (wanted[i] == 0 && ((x[i] <= box.lower[i] && slope[i] <= 0) || (x[i] >= box.upper[i] && slope[i] >= 0)))
-      curvature[i * (x.size() + 1)] *= kHeld;
-  if (!solve_positive_definite(curvature, moves)) return kInf;
-  return std::sqrt(std::inner_product(wanted.begin(), wanted.end(), moves.begin(), 0.0));
+  for (std::size_t i = 0; i < n; ++i)
+    if ((x[i] <= box.lower[i] && here[i] <= 0) || (x[i] >= box.upper[i] && here[i] >= 0))
+      information[i * (n + 1)] = std::max(kHeld, kHeld * information[i * (n + 1)]);
+  std::vector<double> covariance(means * means);
+  for (std::size_t i = 0; i < means; ++i) {
+    std::vector<double> factor = information, column(n, 0);
+    column[i] = 1;
+    if (!solve_positive_definite(factor, column)) return {};
+    std::copy_n(column.begin(), means, covariance.begin() + static_cast<std::ptrdiff_t>(i * means));
+  }
+  return covariance;
 }
 
 PooledMaximum pooled_maximum(std::span<const HierarchicalCell> cells, ResponseModel model,
-                             const SharedParameters& shared, const PooledMaximum& start, bool hold_ln_s) {
+                             const SharedParameters& shared, const SearchRange& range, double held_ln_s) {
   std::map<double, HierarchicalCell> together;  // by level
   for (const HierarchicalCell& cell : cells) {
     HierarchicalCell& one = together[cell.level];
@@ -501,21 +421,32 @@ PooledMaximum pooled_maximum(std::span<const HierarchicalCell> cells, ResponseMo
     one.sure_positive += cell.sure_positive;
     one.sure_negative += cell.sure_negative;
   }
-  const double unit = model == ResponseModel::choice ? std::exp(start.ln_s) : 1;
   std::vector<HierarchicalCell> levels;
   for (const auto& [level, cell] : together) levels.push_back(cell);
+  const double unit = range.criterion_unit;
   const PooledAnswers function(levels, model, shared, unit);
-  const std::vector<double> x = {start.ln_s, start.criterion / unit};
-  const double reach = hold_ln_s ? 0 : kFurthestMean;
-  const NewtonBox box = {{x[0] - reach, x[1] - kFurthestCriterion}, {x[0] + reach, x[1] + kFurthestCriterion}};
-  const NewtonResult found = maximise_in_box(function, x, box, -kInf, kPooledNegligible);
-  return {found.place[0], found.place[1] * unit, found.value};
+  const bool held = !std::isnan(held_ln_s);
+  const NewtonBox box = {{held ? held_ln_s : range.lowest(), range.lowest_criterion / unit},
+                         {held ? held_ln_s : range.highest(), range.highest_criterion / unit}};
+  // From the middle of the levels, and from where they are steep and shallow: a step has slopes of next to 0.
+  PooledMaximum best;
+  best.log_likelihood = -kInf;
+  constexpr double kAside = 1.5;
+  for (const double aside : {0.0, -kAside, kAside}) {
+    const double ln_s = held ? held_ln_s : std::clamp(range.ln_s + aside, box.lower[0], box.upper[0]);
+    if (held && aside != 0) break;
+    const NewtonResult found =
+        maximise_in_box(function, {ln_s, range.criterion / unit}, box, -kInf, kPooledNegligible);
+    if (found.value > best.log_likelihood) best = {found.place[0], found.place[1] * unit, found.value};
+  }
+  return best;
 }
 
 namespace {
 
 // Times the range of levels: beyond it they do not tell a JND.
 constexpr double kOutside = 12, kBeyond = 0.2;
+constexpr double kRoomOfCriteria = 8;  // z; of choices, units beside the levels
 
 }  // namespace
 
@@ -544,9 +475,19 @@ SearchRange search_range(std::span<const HierarchicalCell> cells, ResponseModel 
   }
   if (!(largest > 0)) throw std::invalid_argument("a hierarchical analysis needs levels that differ");
   SearchRange range;
-  range.start.ln_s = std::log(largest / (choice ? 4 : 2));
-  range.start.criterion = model == ResponseModel::yes_no ? 0.7 : 0;
-  range.criterion_unit = choice ? std::exp(range.start.ln_s) : 1;
+  range.ln_s = std::log(largest / (choice ? 4 : 2));
+  range.criterion = model == ResponseModel::yes_no ? 0.7 : 0;
+  range.criterion_unit = choice ? std::exp(range.ln_s) : 1;
+  // A step at the largest level has that criterion where ln s is least.
+  const double steepest = kOutside * std::exp(kBeyond) * largest / smallest;
+  range.lowest_criterion = -kRoomOfCriteria;
+  range.highest_criterion =
+      kRoomOfCriteria + (model == ResponseModel::differencing ? std::log(steepest) : steepest);
+  if (choice) {
+    range.criterion = std::clamp(0.0, *levels.begin(), *levels.rbegin());
+    range.lowest_criterion = *levels.begin() - kRoomOfCriteria * range.criterion_unit;
+    range.highest_criterion = *levels.rbegin() + kRoomOfCriteria * range.criterion_unit;
+  }
   range.greatest = std::log(kOutside * largest);
   range.least = std::log(smallest / kOutside);
   return range;

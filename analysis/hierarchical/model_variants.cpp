@@ -25,7 +25,8 @@ ModelVariant variant_of(VariantKind kind, std::vector<HierarchicalCell> cells, H
   if (!estimated.identified(cells).any()) return without_estimates(SharedStatus::not_identified);
   HierarchicalAnalysis analysis(std::move(cells), model);
   if (!analysis.fit().maximum.converged) return without_estimates(SharedStatus::not_converged);
-  variant.shared = analysis.shared_estimates();
+  analysis.complete({.shared = true});
+  variant.shared = analysis.fit().shared_estimates;
   variant.conditions = analysis.fit().conditions;
   const bool slopes = std::all_of(variant.conditions.begin(), variant.conditions.end(),
                                   [](const ConditionMean& one) { return one.status == SlopeStatus::ok; });

@@ -90,7 +90,7 @@ class PersonPosteriorDensity {
 
 PersonMode person_mode(std::span<const PersonCell> cells, ResponseModel model, const SharedParameters& shared,
                        const GroupSpread& spread) {
-  constexpr double kNearEnough = 1e-4;  // of ln posterior
+  constexpr double kNearEnough = 1e-2;  // of ln posterior
   const PersonPosteriorDensity density(cells, model, shared, spread);
   const double u = spread.tu > 0 ? kFurthestDeviation : 0, w = spread.tw > 0 ? kFurthestDeviation : 0;
   const std::vector<double> place = maximise_in_box(density, {0, 0}, {{-u, -w}, {u, w}}, -kInf, kNearEnough).place;

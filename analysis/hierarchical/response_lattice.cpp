@@ -12,8 +12,7 @@ namespace jnd {
 
 namespace {
 
-// Nodes that a table gets beyond those asked for, so that a search does not build it anew at every step; one that others
-// are built from has as many again.
+// Nodes that a table gets beyond those asked for on every side, so that a search does not build it anew at every step.
 constexpr int kSpareNodes = 3;
 
 // Beta-binomial answers: ln of the product over i < y of (p + i g) and over i < n - y of (1 - p + i g), less that over
@@ -64,7 +63,7 @@ LatticeRange LatticeRange::united(const LatticeRange& other) const noexcept {
 }
 
 LatticeRange LatticeRange::covering(const LatticeRange& needed) const noexcept {
-  constexpr std::size_t kMostWaste = 4;
+  constexpr std::size_t kMostWaste = 2;
   const LatticeRange both = united(needed);
   const bool near = both.wide() * both.high() <= kMostWaste * needed.wide() * needed.high();
   return (near ? both : needed).widened(kSpareNodes);
@@ -116,11 +115,13 @@ void ResponseLattice::extend(const LatticeRange& range) {
 
 void ResponseLattice::lay_out(const LatticeRange& range) {
   if (!range_.empty() && range_.holds(range)) return;
+  const LatticeRange before = range_;
   range_ = range;
-  for (std::size_t i = 0; i < questions_.size(); ++i) lay_out_question(i);
+  for (std::size_t i = 0; i < questions_.size(); ++i) lay_out_question(i, before);
 }
 
-void ResponseLattice::lay_out_question(std::size_t i) {
+// What lay there before stays.
+void ResponseLattice::lay_out_question(std::size_t i, const LatticeRange& before) {
   const LatticeQuestion& question = questions_[i];
   QuestionTables& tables = tables_[i];
   const double side = question.second_half ? 0.5 : -0.5;
@@ -134,25 +135,44 @@ void ResponseLattice::lay_out_question(std::size_t i) {
   without_lapses.lapse = 0;
   const std::array<AnswerTable*, 4> all = {&tables.positive, &tables.negative, &tables.sure_positive,
                                            &tables.sure_negative};
-  for (AnswerTable* table : all) table->without_lapses.resize(table->share > 0 ? range_.wide() * range_.high() : 0);
+  std::array<std::vector<double>, 4> known;
+  for (std::size_t t = 0; t < all.size(); ++t) {
+    known[t] = std::move(all[t]->without_lapses);
+    all[t]->without_lapses.resize(all[t]->share > 0 ? range_.wide() * range_.high() : 0);
+  }
   std::vector<double> slopes;
   for (int s = range_.s0; s <= range_.s1; ++s) slopes.push_back(std::exp(-(s * steps_.ln_s + shift_s)));
   const bool no_slope = model_ == ResponseModel::yes_no && question.level == 0;  // the same at every spread
-  for (int k = range_.k0; k <= range_.k1; ++k) {
+  // Of this row the nodes between.
+  const auto calculate = [&](int k, int from, int to) {
     const double criterion = k * steps_.criterion + shift_k;
     GradedLogRates rates{};
-    for (std::size_t s = 0, to = range_.place(range_.s0, k); s < slopes.size(); ++s, ++to) {
-      if (s == 0 || !no_slope) {
+    for (int s = from; s <= to; ++s) {
+      const std::size_t at = range_.place(s, k);
+      const double slope = slopes[static_cast<std::size_t>(s - range_.s0)];
+      if (s == from || !no_slope) {
         if (shared_.graded())
-          rates = graded_log_rates(model_, question.level, -std::log(slopes[s]), criterion, without_lapses);
+          rates = graded_log_rates(model_, question.level, -std::log(slope), criterion, without_lapses);
         else
-          rates.unsure = log_rates_of_slope(model_, question.level, slopes[s], criterion, 0);
+          rates.unsure = log_rates_of_slope(model_, question.level, slope, criterion, 0);
       }
-      tables.positive.without_lapses[to] = rates.unsure.positive;
-      tables.negative.without_lapses[to] = rates.unsure.negative;
-      if (above) tables.sure_positive.without_lapses[to] = rates.sure.positive;
-      if (below) tables.sure_negative.without_lapses[to] = rates.sure.negative;
+      tables.positive.without_lapses[at] = rates.unsure.positive;
+      tables.negative.without_lapses[at] = rates.unsure.negative;
+      if (above) tables.sure_positive.without_lapses[at] = rates.sure.positive;
+      if (below) tables.sure_negative.without_lapses[at] = rates.sure.negative;
     }
+  };
+  const int s0 = std::max(before.s0, range_.s0), s1 = std::min(before.s1, range_.s1);
+  for (int k = range_.k0; k <= range_.k1; ++k) {
+    if (before.empty() || k < before.k0 || k > before.k1 || s0 > s1) {
+      calculate(k, range_.s0, range_.s1);
+      continue;
+    }
+    calculate(k, range_.s0, s0 - 1);
+    for (std::size_t t = 0; t < all.size(); ++t)
+      if (all[t]->share > 0)
+        std::copy_n(&known[t][before.place(s0, k)], s1 - s0 + 1, &all[t]->without_lapses[range_.place(s0, k)]);
+    calculate(k, s1 + 1, range_.s1);
   }
   for (AnswerTable* table : all) table->add_lapses(shared_);
 }

@@ -25,6 +25,7 @@ struct LatticeRange {
   LatticeRange widened(int by) const noexcept { return {s0 - by, s1 + by, k0 - by, k1 + by}; }
   std::size_t wide() const noexcept { return static_cast<std::size_t>(s1 - s0) + 1; }
   std::size_t high() const noexcept { return static_cast<std::size_t>(k1 - k0) + 1; }
+  std::size_t nodes() const noexcept { return empty() ? 0 : wide() * high(); }
   // Of a node in an array that holds all spreads of the first criterion, then those of the next.
   std::size_t place(int s, int k) const noexcept {
     return static_cast<std::size_t>(k - k0) * wide() + static_cast<std::size_t>(s - s0);
@@ -73,6 +74,7 @@ class ResponseLattice {
   // would swing; a likelihood is bounded.
   bool smooth() const noexcept { return model_ != ResponseModel::choice; }
   const LatticeRange& range() const noexcept { return range_; }
+  void forget() noexcept { range_ = {}; }
   // Holds that range, and what it held before as far as that lies near it.
   void cover(const LatticeRange& range);
   // Holds that range beside what it held before.
@@ -85,7 +87,7 @@ class ResponseLattice {
   const QuestionTables& tables(std::size_t question) const noexcept { return tables_[question]; }
 
  private:
-  void lay_out_question(std::size_t i);
+  void lay_out_question(std::size_t i, const LatticeRange& before);
 
   ResponseModel model_;
   std::vector<LatticeQuestion> questions_;
@@ -108,7 +110,10 @@ class CellLikelihood {
   explicit CellLikelihood(std::vector<QuestionAnswers> answers) : answers_(std::move(answers)) {}
 
   void cover(const LatticeRange& range, ResponseLattice& responses);
-  void forget() noexcept { range_ = {}; }
+  void forget() noexcept {
+    range_ = {};
+    values_ = {};
+  }
   const LatticeRange& range() const noexcept { return range_; }
   const double* at(int s, int k) const noexcept { return &values_[range_.place(s, k)]; }
   double largest() const noexcept { return largest_; }

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <set>
+#include <thread>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "analysis/hierarchical/pooled_levels.h"
 #include "protocols/planning/track_threshold.h"
 #include "protocols/tasks/posterior_model.h"
 
@@ -69,13 +69,13 @@ class StudyFit {
   }
 
   void lay_out();
-  void gather_levels();
   std::string refusal();
   std::vector<HierarchicalCell> cells_of_fit() const;
   void add_spreads(const HierarchicalFit& fit);
   void set_conditions(std::vector<HierarchicalCondition>& rows, const std::vector<ConditionMean>& found) const;
   void add_variants(const std::vector<HierarchicalCell>& cells, const HierarchicalModel& of);
-  void add_ratios(HierarchicalAnalysis& fitted);
+  std::vector<std::pair<std::size_t, std::size_t>> pairs() const;
+  void add_ratios(const std::vector<ConditionDifference>& differences);
   void add_people(const std::vector<PersonEstimate>& people);
   void add_check(const std::vector<HierarchicalCell>& cells, const HierarchicalModel& of,
                  const HierarchicalPlace& place);
@@ -113,44 +113,6 @@ void StudyFit::lay_out() {
   model_.several_standards = series_ > 1;
   for (int series = 0; series < series_; ++series)
     model_.several_standards = model_.several_standards && standard_of(series) > 0;
-}
-
-// The number of the levels that are one with this one: within 5 % of each other, below a tenth of the largest one within 1 %
-// of that. No difference is one with none.
-int neighbours_of(double level, double largest) noexcept {
-  constexpr double kShare = 0.05, kSmall = 0.1, kStep = 0.01;
-  if (level == 0) return 0;
-  const double share = std::abs(level) / largest;
-  const double number = share < kSmall ? share / kStep : kSmall / kStep + std::log(share / kSmall) / kShare;
-  return static_cast<int>(std::copysign(std::floor(number) + 1, level));
-}
-
-// Levels so near each other that nobody could tell stand for one, at the mean of their trials: what is left is of second
-// order.
-void StudyFit::gather_levels() {
-  std::set<double> levels;
-  for (const AnsweredCell& cell : cells_)
-    for (const LevelCount& one : cell.counts) levels.insert(one.level / unit_of(cell.person.series));
-  if (levels.size() <= kMostLevels) return;
-  model_.gathered = true;
-  const double largest = std::max(-*levels.begin(), *levels.rbegin());
-  struct Bin {
-    double sum = 0, trials = 0;
-  };
-  std::map<int, Bin> bins;
-  for (const AnsweredCell& cell : cells_)
-    for (const LevelCount& one : cell.counts) {
-      const double level = one.level / unit_of(cell.person.series), trials = one.positive + one.negative;
-      Bin& bin = bins[neighbours_of(level, largest)];
-      bin.sum += trials * level;
-      bin.trials += trials;
-    }
-  for (AnsweredCell& cell : cells_)
-    for (LevelCount& one : cell.counts) {
-      const double unit = unit_of(cell.person.series);
-      const Bin& bin = bins[neighbours_of(one.level / unit, largest)];
-      if (bin.trials > 0) one.level = unit * bin.sum / bin.trials;
-    }
 }
 
 // Why there is no fit; empty where there is one.
@@ -255,25 +217,31 @@ int StudyFit::in_both(std::size_t a, std::size_t b) const {
   return static_cast<int>(std::count(rows.begin(), rows.end(), 2));
 }
 
-void StudyFit::add_ratios(HierarchicalAnalysis& fitted) {
+// Of two places in the fit: conditions at one standard.
+std::vector<std::pair<std::size_t, std::size_t>> StudyFit::pairs() const {
+  std::vector<std::pair<std::size_t, std::size_t>> pairs;
   for (std::size_t a = 0; a < fitted_rows_.size(); ++a)
-    for (std::size_t b = a + 1; b < fitted_rows_.size(); ++b) {
-      const HierarchicalCondition &of_a = model_.conditions[fitted_rows_[a]],
-                                  &of_b = model_.conditions[fitted_rows_[b]];
-      if (of_a.series != of_b.series) continue;
-      const ConditionDifference found = fitted.difference(a, b);
-      HierarchicalRatio& one = model_.ratios.emplace_back();
-      one.a = of_a.condition;
-      one.b = of_b.condition;
-      one.series = of_a.series;
-      one.participants = in_both(fitted_rows_[a], fitted_rows_[b]);
-      one.defined = !std::isnan(found.difference);
-      one.ratio = std::exp(found.difference);
-      one.ci_low = std::exp(found.ends.low);
-      one.ci_high = std::exp(found.ends.high);
-      one.lr = found.lr;
-      one.p = found.p;
-    }
+    for (std::size_t b = a + 1; b < fitted_rows_.size(); ++b)
+      if (model_.conditions[fitted_rows_[a]].series == model_.conditions[fitted_rows_[b]].series)
+        pairs.emplace_back(a, b);
+  return pairs;
+}
+
+void StudyFit::add_ratios(const std::vector<ConditionDifference>& differences) {
+  for (const ConditionDifference& found : differences) {
+    const HierarchicalCondition& of_a = model_.conditions[fitted_rows_[found.a]];
+    HierarchicalRatio& one = model_.ratios.emplace_back();
+    one.a = of_a.condition;
+    one.b = model_.conditions[fitted_rows_[found.b]].condition;
+    one.series = of_a.series;
+    one.participants = in_both(fitted_rows_[found.a], fitted_rows_[found.b]);
+    one.defined = !std::isnan(found.difference);
+    one.ratio = std::exp(found.difference);
+    one.ci_low = std::exp(found.ends.low);
+    one.ci_high = std::exp(found.ends.high);
+    one.lr = found.lr;
+    one.p = found.p;
+  }
 }
 
 void StudyFit::add_people(const std::vector<PersonEstimate>& people) {
@@ -302,24 +270,25 @@ StudyHierarchical StudyFit::fitted(std::string separate, bool given_levels) {
   for (const AnsweredCell& cell : cells_) model_.people.push_back(cell.person);
   model_.reason = refusal();
   if (model_.status != HierarchicalStatus::ok) return model_;
-  gather_levels();
   HierarchicalModel of;
   of.response = answer_model_.response;
   of.shared.lapse = answer_model_.lapse;
   of.tw = !model_.pse_at_standard;
-  const std::vector<HierarchicalCell> answered = cells_of_fit(), cells = without_halves_and_sureness(answered);
-  HierarchicalAnalysis fitted(cells, of);
+  std::vector<HierarchicalCell> answered = cells_of_fit();
+  model_.gathered = pool_levels(answered);
+  HierarchicalAnalysis fitted(without_halves_and_sureness(answered), of);
   const HierarchicalFit& fit = fitted.fit();
   if (!fit.maximum.converged || (fit.df > 0 && !fit.common.converged)) {
     model_.status = HierarchicalStatus::not_converged;
     model_.reason = "the search for the largest likelihood did not settle";
     return model_;
   }
+  const int processors = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  fitted.complete({.intervals = true, .pairs = pairs()}, processors);
   add_spreads(fit);
-  fitted.add_intervals();
   set_conditions(model_.conditions, fit.conditions);
   add_people(fitted.people());
-  add_ratios(fitted);
+  add_ratios(fit.differences);
   const bool all_have_jnds = std::all_of(fit.conditions.begin(), fit.conditions.end(),
                                          [](const ConditionMean& one) { return one.status == SlopeStatus::ok; });
   const auto people = static_cast<std::size_t>(model_.participants);
@@ -329,7 +298,7 @@ StudyHierarchical StudyFit::fitted(std::string separate, bool given_levels) {
   model_.equal_p = fit.p;
   model_.equal_df = fit.df;
   if (given_levels && static_cast<std::size_t>(model_.participants) <= kMostInDetail)
-    add_check(cells, of, fit.maximum.place);
+    add_check(fitted.cells(), of, fit.maximum.place);
   return model_;
 }
 

@@ -109,7 +109,7 @@ struct StudyHierarchical {
   double lapse = 0;
   bool pse_at_standard = false;    // of choices: taken as the standard (AnswerModel::pse_at_standard)
   bool several_standards = false;  // levels, and criteria of choices, count as shares of the standard
-  bool gathered = false;           // there are more than kMostLevels levels
+  bool gathered = false;           // levels are pooled (pooled_levels.h)
   std::string separate;            // how separate JNDs come about, for notes
   int participants = 0;            // with counted trials
   std::int64_t trials = 0;
@@ -137,10 +137,6 @@ inline constexpr std::string_view kPeopleAlike =
 
 // What everyone who reads a number of it is told.
 std::string hierarchical_assumptions(const StudyHierarchical& model);
-
-// Of more different levels (delivered differences, levels that answers set) those within 5 % of each other count at their
-// mean: the fit takes as long as there are different ones.
-inline constexpr std::size_t kMostLevels = 50;
 
 // Of the trials that count, by maximum likelihood. A fraction of a second for twenty people, some seconds for the most.
 StudyHierarchical study_hierarchical(const StudyAnalysis& analysis, const Protocol& protocol);

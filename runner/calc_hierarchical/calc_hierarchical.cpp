@@ -54,11 +54,11 @@ int hierarchical(const HierarchicalCommand& options) {
     of_sureness = of_sureness.with(SharedParameter::sure_below).with(SharedParameter::sure_above);
   for (const SharedParameter which : kSharedParameters)
     if (of_sureness.has(which)) result.model.estimated = result.model.estimated.with(which);
+  const int processors = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  const int threads = options.threads > 0 ? options.threads : processors;
   HierarchicalAnalysis analysis(result.answers.cells, result.model);
-  analysis.add_intervals();
-  result.fit = analysis.fit();
-  result.differences = analysis.differences();
-  for (const SharedEstimate& one : analysis.shared_estimates())
+  result.fit = analysis.complete({.intervals = true, .shared = true, .pairs = analysis.pairs()}, threads);
+  for (const SharedEstimate& one : result.fit.shared_estimates)
     (of_sureness.has(one.parameter) ? result.sureness : result.shared).push_back(one);
   if (result.answers.graded) result.narrower = narrower_by(result);
   if (others.any()) {
@@ -70,14 +70,13 @@ int hierarchical(const HierarchicalCommand& options) {
   if (options.check > 0) {
     HierarchicalModel found = result.model;
     found.shared = result.fit.maximum.shared;
-    result.check = predictive_check(result.answers.cells, found, result.fit.maximum.place, options.check, options.seed);
+    result.check = predictive_check(analysis.cells(), found, result.fit.maximum.place, options.check, options.seed);
   }
   if (options.bootstrap > 0) {
-    const int processors = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
     ProgressBar bar("drawing studies", options.bootstrap);
     result.bootstrap =
         equality_bootstrap(result.answers.cells, result.model, result.fit, options.bootstrap, options.seed,
-                           options.threads > 0 ? options.threads : processors, [&bar](int done) { bar.update(done); });
+                           threads, [&bar](int done) { bar.update(done); });
   }
   if (options.input.json)
     fmt::print("{}\n", json_line(hierarchical_json(result)));

@@ -32,6 +32,7 @@ struct NamedAnswers {
   std::vector<HierarchicalCell> cells;
   std::optional<double> standard;
   bool graded = false;  // it was told which answers were sure
+  bool pooled = false;  // levels near each other count as one (pooled_levels.h)
 
   int participant(const std::string& name) { return place(participants, name); }
   int condition(const std::string& name) { return place(conditions, name); }

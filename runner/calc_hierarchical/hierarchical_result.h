@@ -20,7 +20,6 @@ struct HierarchicalResult {
   HierarchicalFit fit;
   std::vector<SharedEstimate> shared;      // but criteria of sureness
   std::optional<HierarchicalFit> without;  // with nothing shared estimated, where something is
-  std::vector<ConditionDifference> differences;
   std::vector<PersonEstimate> people;
   std::optional<EqualityBootstrap> bootstrap;
   std::optional<PredictiveCheck> check;

@@ -134,7 +134,7 @@ ordered_json hierarchical_json(const HierarchicalResult& result) {
   out["mu_ci"] = std::move(mu_ci);
   out["jnd_ci"] = std::move(jnd_ci);
   ordered_json differences = ordered_json::array();
-  for (const ConditionDifference& one : result.differences)
+  for (const ConditionDifference& one : fit.differences)
     differences.push_back({{"a", one.a + 1},
                            {"b", one.b + 1},
                            {"diff", json_number(one.difference)},

@@ -56,10 +56,10 @@ std::string conditions_text(const HierarchicalResult& result) {
 }
 
 std::string differences_text(const HierarchicalResult& result) {
-  if (result.differences.empty()) return "";
+  if (result.fit.differences.empty()) return "";
   TextTable table({"conditions", "ratio of JNDs", "95 % profile", "chi-square", "p"},
                   {Align::left, Align::right, Align::right, Align::right, Align::right});
-  for (const ConditionDifference& one : result.differences)
+  for (const ConditionDifference& one : result.fit.differences)
     table.add({printable(result.answers.conditions[one.a] + " : " + result.answers.conditions[one.b]),
                number_text(std::exp(one.difference), 3), range_text(std::exp(one.ends.low), std::exp(one.ends.high), 3),
                number_text(one.lr, 2), p_value_text(one.p)});

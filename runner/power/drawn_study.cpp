@@ -10,7 +10,7 @@
 #include "analysis/group/p_adjust.h"
 #include "analysis/group/post_hoc.h"
 #include "analysis/group/signed_rank.h"
-#include "analysis/hierarchical/rough_fit.h"
+#include "analysis/hierarchical/hierarchical_fit.h"
 #include "analysis/numerics/binomial.h"
 #include "analysis/numerics/moments.h"
 #include "analysis/numerics/tail_probabilities.h"
@@ -371,7 +371,7 @@ StudyOutcome StudyAnalyst::log_ml(std::span<const DrawnPerson> people) const {
       const bool gets_it = has_condition(protocol_, person.group, static_cast<int>(c));
       if (gets_it && levels_differ(cells)) {
         if (!range || protocol_.design.procedure) range = search_range(cells, model_.response);
-        const double ln_s = pooled_maximum(cells, model_.response, model_.shared, range->start).ln_s;
+        const double ln_s = pooled_maximum(cells, model_.response, model_.shared, *range).ln_s;
         if (ln_s > range->least && ln_s < range->greatest) value = ln_s;
       }
       outcome.undefined = outcome.undefined || (gets_it && std::isnan(value));
@@ -442,19 +442,30 @@ StudyOutcome StudyAnalyst::hierarchical(std::span<const DrawnPerson> people) con
   for (const HierarchicalCell& cell : cells) there.insert(cell.condition);
   outcome.undefined = number < 2 || there.size() < truth_.mu.size() || !levels_differ(cells);
   if (outcome.undefined) return outcome;
-  const RoughFit fit = rough_fit(cells, model_, truth_, question_.contrasts);
+  HierarchicalAnalysis analysis(cells, model_, SearchEffort::drawn, &truth_);
+  const HierarchicalFit& fit = analysis.fit();
+  const std::vector<double> covariance = analysis.covariance();
+  outcome.undefined = !fit.maximum.converged || covariance.empty();
+  if (outcome.undefined) return outcome;
   const double t = student_t_quantile_two_sided(0.05, number - 1);
-  for (std::size_t c = 0; c < fit.means.size(); ++c) {
-    const RoughMean& mean = fit.means[c];
-    if (mean.status == SlopeStatus::ok)
-      outcome.group[c] = {of_noise_ * std::exp(mean.mu), of_noise_ * std::exp(mean.mu - t * mean.error),
-                          of_noise_ * std::exp(mean.mu + t * mean.error)};
+  const std::size_t conditions = fit.conditions.size();
+  for (std::size_t c = 0; c < conditions; ++c) {
+    const double mu = fit.conditions[c].mu, error = std::sqrt(covariance[c * conditions + c]);
+    if (fit.conditions[c].status == SlopeStatus::ok)
+      outcome.group[c] = {of_noise_ * std::exp(mu), of_noise_ * std::exp(mu - t * error),
+                          of_noise_ * std::exp(mu + t * error)};
     else
       outcome.undefined = true;
   }
-  for (std::size_t i = 0; i < fit.differences.size(); ++i) {
-    const RoughDifference& one = fit.differences[i];
-    outcome.contrasts[i] = {one.difference, one.difference - t * one.error, one.difference + t * one.error, one.p};
+  for (std::size_t i = 0; i < question_.contrasts.size(); ++i) {
+    const auto a = static_cast<std::size_t>(question_.contrasts[i][0]),
+               b = static_cast<std::size_t>(question_.contrasts[i][1]);
+    const double difference = fit.conditions[a].mu - fit.conditions[b].mu;
+    const double error = std::sqrt(std::max(0.0, covariance[a * (conditions + 1)] + covariance[b * (conditions + 1)] -
+                                                     2 * covariance[a * conditions + b]));
+    const double drop = analysis.drop_of_difference(a, b, 0);
+    outcome.contrasts[i] = {difference, difference - t * error, difference + t * error,
+                            std::isnan(drop) ? kNaN : chi2_upper(2 * drop, 1)};
   }
   correct(outcome.contrasts);
   return outcome;
