@@ -29,9 +29,11 @@ double lost_variance(double mean, double summed, double prior, double spacing, d
 
 // The lattice nodes that the kernels of those nodes read.
 LatticeRange HierarchicalLikelihood::Evaluation::read_by(std::size_t condition, const Rectangle& nodes) const noexcept {
-  const LatticeKernel &s = over_s[condition], &k = over_k[condition];
-  return {s.start(nodes.u0), s.start(nodes.u1) + static_cast<int>(s.taps()) - 1, k.start(nodes.w0),
-          k.start(nodes.w1) + static_cast<int>(k.taps()) - 1};
+  const LatticeKernel& s = over_s[condition];
+  const int s0 = s.start(nodes.u0), s1 = s.start(nodes.u1) + static_cast<int>(s.taps()) - 1;
+  if (choice) return {s0, s1, nodes.w0, nodes.w1};
+  const LatticeKernel& k = over_k[condition];
+  return {s0, s1, k.start(nodes.w0), k.start(nodes.w1) + static_cast<int>(k.taps()) - 1};
 }
 
 LatticeRows HierarchicalLikelihood::Evaluation::rows_of(std::size_t condition) const noexcept {

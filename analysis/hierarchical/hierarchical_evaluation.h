@@ -15,10 +15,10 @@ struct HierarchicalLikelihood::Evaluation {
 
   const HierarchicalPlace& place;
   NodeOffset offset;
-  bool has_u, has_w;
+  bool has_u, has_w, choice = false;
   double spacing_u = 1, spacing_w = 1;
   Rectangle all;                              // of nodes that the kernels reach
-  std::vector<LatticeKernel> over_s, over_k;  // by condition
+  std::vector<LatticeKernel> over_s, over_k;  // by condition; the second not of choices, whose rows are the nodes of w
 
   // Of the participant at work: nodes of w by nodes of u, w outermost.
   Rectangle box;

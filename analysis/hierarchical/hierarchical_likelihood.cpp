@@ -31,7 +31,9 @@ constexpr double kGrowth = 0.4;    // of its width, by which a range grows at an
 constexpr double kClosest = 0.95;  // the greatest correlation that nodes are placed for
 // Of the least standard error that a cell's answers can have of ln s, and of the criterion: Lagrange's polynomial through
 // a likelihood errs by 2e-8, and through the logarithm of one where steps are this share of one answer's standard error.
-constexpr double kLatticeStepS = 0.2, kLatticeStepK = 0.17, kLogarithmStepK = 0.12;
+constexpr double kLatticeStepS = 0.2, kLogarithmStepK = 0.12;
+constexpr double kSmoothU = 0.5;    // in ln s: what likelihoods change within
+constexpr double kMostNodesW = 512;  // where that would be less than all of them
 
 // Posteriors that are less like a normal distribution take more nodes for the same error.
 double fineness_of(ResponseModel model) {
@@ -115,7 +117,8 @@ HierarchicalLikelihood::HierarchicalLikelihood(std::span<const HierarchicalCell>
   people_.resize(participants);
   for (std::size_t i = 0; i < participants; ++i) people_[i].number = i;
   for (std::size_t c = 0; c < conditions_; ++c) {
-    Lattice& lattice = lattices_.emplace_back().emplace_back(Lattice{{model, questions_[c], shared, {}}, {}});
+    Lattice& lattice = lattices_.emplace_back().emplace_back(
+        Lattice{{model, questions_[c], shared, {}}, {model, questions_[c], shared, {}}, {}});
     for (std::size_t i = 0; i < participants; ++i) lattice.cells.emplace_back(std::move(answers[i * conditions_ + c]));
   }
 }
@@ -126,6 +129,7 @@ void HierarchicalLikelihood::set_shared(const SharedParameters& shared) {
   for (std::vector<Lattice>& of : lattices_) {
     of.erase(of.begin() + 1, of.end());
     of.front().responses.set_shared(shared);
+    of.front().beside.set_shared(shared);
     for (CellLikelihood& cell : of.front().cells) cell.forget();
   }
 }
@@ -167,7 +171,6 @@ HierarchicalLikelihood::Narrowest HierarchicalLikelihood::look_how_narrow(std::s
                                                                           int reach_s, int reach_k) const {
   SharedParameters without_lapses = shared_;  // which a cell tells more without
   without_lapses.lapse = 0;
-  const bool smooth = responses(condition).smooth();
   std::vector<LevelTrials> design;  // the most that anybody has
   for (const LatticeQuestion& question : questions_[condition]) design.push_back({question.level, 0});
   for (const Person& person : people_)
@@ -180,9 +183,8 @@ HierarchicalLikelihood::Narrowest HierarchicalLikelihood::look_how_narrow(std::s
       const double s = kAbout * i, k = kAbout * j * unit;
       const CellInformation told = expected_information(model_, design, mu + s, kappa + k, without_lapses);
       most_s = std::max(most_s, told.s);
-      if (!smooth) most_k = std::max(most_k, told.k);
       for (const LevelTrials& level : design)
-        if (level.trials > 0 && smooth) {
+        if (level.trials > 0 && !choice()) {
           const LevelTrials one{level.level, 1};
           most_k = std::max(
               most_k, expected_information(model_, std::span(&one, 1), mu + s, kappa + k, without_lapses).k);
@@ -193,7 +195,7 @@ HierarchicalLikelihood::Narrowest HierarchicalLikelihood::look_how_narrow(std::s
   found.ln_s = std::min(kWidest, 1 / std::sqrt(most_s));
   found.finest.ln_s = rung_below(kLatticeStepS * found.ln_s / fineness_);
   found.finest.criterion =
-      rung_below((smooth ? kLogarithmStepK : kLatticeStepK) * std::min(kWidest * unit, 1 / std::sqrt(most_k)) / fineness_);
+      choice() ? 0 : rung_below(kLogarithmStepK * std::min(kWidest, 1 / std::sqrt(most_k)) / fineness_);
   return found;
 }
 
@@ -213,17 +215,18 @@ void HierarchicalLikelihood::choose_lattices(const HierarchicalPlace& place) {
     const double step = finest.ln_s * rung_below(std::max(1.0, product / (finest.ln_s * fineness_)));
     std::vector<Lattice>& of = lattices_[c];
     const auto same = std::find_if(of.begin(), of.end(), [&](const Lattice& one) {
-      return one.responses.steps().ln_s == step && one.responses.steps().criterion == finest.criterion;
+      return one.responses.steps().ln_s == step && (choice() || one.responses.steps().criterion == finest.criterion);
     });
     if (same != of.end()) {
       std::rotate(of.begin(), same, same + 1);
       continue;
     }
     constexpr std::size_t kMostLattices = 3;
-    Lattice fresh{{model_, questions_[c], shared_, {step, finest.criterion}}, {}};
+    const ResponseLattice empty(model_, questions_[c], shared_, {step, finest.criterion});
+    Lattice fresh{empty, empty, {}};
     for (const CellLikelihood& cell : of.front().cells) fresh.cells.emplace_back(cell.answers());
     const LatticeRange& range = of.front().responses.range();
-    if (range.empty() || range.nodes() > kMostKept) of.erase(of.begin());
+    if (choice() || range.empty() || range.nodes() > kMostKept) of.erase(of.begin());
     if (of.size() == kMostLattices) of.pop_back();
     of.insert(of.begin(), std::move(fresh));
   }
@@ -275,23 +278,31 @@ void HierarchicalLikelihood::integrate(Person& person, Evaluation& at) {
   at.wide = static_cast<std::size_t>(at.box.u1 - at.box.u0) + 1;
   at.high = static_cast<std::size_t>(at.box.w1 - at.box.w0) + 1;
   for (std::size_t c = 0; c < conditions_; ++c) {
-    const LatticeKernel& over_k = at.over_k[c];
     CellLikelihood& cell = this->cell(person, c);
     const LatticeRange needed = at.read_by(c, at.box);
-    cell.cover(needed, responses(c));
+    if (choice()) {
+      lay_out_rows(c, needed, responses(c).steps().origin, responses(c).steps().criterion);
+      cell.take(needed, responses(c), lattices_[c].front().beside);
+    } else {
+      cell.cover(needed, responses(c));
+    }
     at.first_s[c] = needed.s0;
     const std::size_t nodes = needed.wide(), stride = cell.range().wide();
     at.read[c].resize(nodes * at.high);
     at.by_criterion[c].resize(nodes * at.high);
     for (std::size_t j = 0; j < at.high; ++j) {
       const int w = at.box.w0 + static_cast<int>(j);
+      if (choice()) {
+        std::copy_n(cell.at(needed.s0, w), nodes, &at.read[c][j * nodes]);
+        std::copy_n(cell.slope_at(needed.s0, w), nodes, &at.by_criterion[c][j * nodes]);
+        continue;
+      }
+      const LatticeKernel& over_k = at.over_k[c];
       interpolate_rows(cell.at(needed.s0, over_k.start(w)), stride, over_k.weights(w), over_k.by_centre(w), nodes,
                        &at.read[c][j * nodes], &at.by_criterion[c][j * nodes]);
     }
-    if (responses(c).smooth()) {
-      exponentiate(at.read[c], cell.largest());
-      for (std::size_t i = 0; i < at.read[c].size(); ++i) at.by_criterion[c][i] *= at.read[c][i];
-    }
+    exponentiate(at.read[c], cell.largest());
+    for (std::size_t i = 0; i < at.read[c].size(); ++i) at.by_criterion[c][i] *= at.read[c][i];
     at.inner[c].resize(at.wide * at.high);
     weighted_sums(at.rows_of(c), at.read[c].data(), at.inner[c].data());
     work_ += static_cast<double>(at.wide * at.high * at.over_s[c].taps());
@@ -362,18 +373,15 @@ void HierarchicalLikelihood::go_back(const Person& person, Evaluation& at) const
     for (std::size_t j = 0; j < at.high; ++j) {
       at.by_read.assign(rows.nodes, 0);
       add_slopes(rows, &at.adjoint[j * at.wide], at.by_read.data());
-      if (responses(c).smooth())
-        for (std::size_t i = 0; i < rows.nodes; ++i) at.by_read[i] *= at.read[c][j * rows.nodes + i];
+      for (std::size_t i = 0; i < rows.nodes; ++i) at.by_read[i] *= at.read[c][j * rows.nodes + i];
       const int w = at.box.w0 + static_cast<int>(j);
+      if (choice()) {
+        std::copy_n(at.by_read.data(), rows.nodes, &at.by_cell[c][cell_nodes.place(cell_nodes.s0, w)]);
+        continue;
+      }
       const LatticeKernel& over_k = at.over_k[c];
       add_to_rows(at.by_read.data(), rows.nodes, over_k.weights(w), rows.nodes,
                   &at.by_cell[c][cell_nodes.place(cell_nodes.s0, over_k.start(w))]);
-    }
-    if (responses(c).smooth()) continue;
-    for (int k = cell_nodes.k0; k <= cell_nodes.k1; ++k) {
-      const double* values = cell(person, c).at(cell_nodes.s0, k);
-      double* by = &at.by_cell[c][cell_nodes.place(cell_nodes.s0, k)];
-      for (std::size_t i = 0; i < rows.nodes; ++i) by[i] *= values[i];
     }
   }
 }
@@ -382,6 +390,7 @@ void HierarchicalLikelihood::go_back(const Person& person, Evaluation& at) const
 HierarchicalLikelihood::Evaluation HierarchicalLikelihood::prepared(const HierarchicalPlace& place,
                                                                     const NodeOffset& offset) {
   Evaluation at(place, offset);
+  at.choice = choice();
   double sd_u = place.tu, sd_w = place.tw, correlation = std::abs(place.rho);
   for (const Person& person : people_) {
     sd_u = std::min(sd_u, 1 / std::sqrt(1 / (place.tu * place.tu) + person.information_u));
@@ -390,8 +399,13 @@ HierarchicalLikelihood::Evaluation HierarchicalLikelihood::prepared(const Hierar
   }
   // Of correlated directions the sum errs with exp(-2 pi^2 (2 - 2 r)) too.
   const double spacing = kSpacing * std::sqrt(std::min(1.0, 2 - 2 * std::min(correlation, kClosest))) / fineness_;
-  if (at.has_u) at.spacing_u = spacing * sd_u;
-  if (at.has_w) at.spacing_w = spacing * sd_w;
+  // Where answers tell little, what they tell may change within less than a standard deviation.
+  double smooth_w = 1;
+  if (choice())
+    smooth_w = std::exp(*std::min_element(place.mu.begin(), place.mu.end()) - std::hypot(place.tu, place.tv));
+  if (at.has_u) at.spacing_u = std::min(spacing * sd_u, kSmoothU / fineness_);
+  if (at.has_w)
+    at.spacing_w = std::max(std::min(spacing * sd_w, smooth_w / fineness_), 2 * kFurthest * place.tw / kMostNodesW);
   for (const Person& person : people_) {
     const Rectangle box = rectangle_of(person, at);
     at.all = {std::min(at.all.u0, box.u0), std::max(at.all.u1, box.u1), std::min(at.all.w0, box.w0),
@@ -405,6 +419,10 @@ HierarchicalLikelihood::Evaluation HierarchicalLikelihood::prepared(const Hierar
     at.over_s.emplace_back(place.mu[c] + at.u(0), at.spacing_u, at.all.u0, at.all.u1, place.tv,
                            responses(c).steps().ln_s,
                            kFollowed * std::min(fineness_, 1.0));
+    if (choice()) {
+      lay_out_rows(c, at.read_by(c, asked), place.kappa[c] + at.w(0), at.spacing_w);
+      continue;
+    }
     at.over_k.emplace_back(place.kappa[c] + at.w(0), at.spacing_w, at.all.w0, at.all.w1, 0,
                            responses(c).steps().criterion, 0);
     const LatticeRange needed = at.read_by(c, asked);
@@ -422,6 +440,25 @@ HierarchicalLikelihood::Evaluation HierarchicalLikelihood::prepared(const Hierar
   at.by_criterion.resize(conditions_);
   at.inner.resize(conditions_);
   return at;
+}
+
+// Of choices: at the nodes of w, which are others at every place.
+void HierarchicalLikelihood::lay_out_rows(std::size_t condition, const LatticeRange& needed, double origin,
+                                          double spacing) {
+  constexpr double kBeside = 1e-5;  // of a spread
+  Lattice& lattice = lattices_[condition].front();
+  LatticeSteps steps = lattice.responses.steps();
+  if (steps.origin != origin || steps.criterion != spacing) {
+    steps.origin = origin;
+    steps.criterion = spacing;
+    lattice.responses = ResponseLattice(model_, questions_[condition], shared_, steps);
+    steps.origin += kBeside * std::exp(needed.s0 * steps.ln_s);
+    lattice.beside = ResponseLattice(model_, questions_[condition], shared_, steps);
+    for (CellLikelihood& cell : lattice.cells) cell.forget();
+  }
+  const LatticeRange both = lattice.responses.range().united(needed);
+  lattice.responses.lay_out(both);
+  lattice.beside.lay_out(both);
 }
 
 // The integral of one participant over a range that holds all of it. False: the kernels do not reach so far.

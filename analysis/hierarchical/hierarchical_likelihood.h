@@ -13,6 +13,8 @@
 // spaced nodes about the participant's own posterior (trapezoid rule: for what falls off like a normal density its error
 // falls with exp(-2 pi^2 (sd/spacing)^2)); at every node the integral over v is a weighted sum of lattice nodes
 // (lattice_kernel.h). The derivatives by all weights come from one pass backwards, and give those by all parameters.
+// Of choices, whose likelihood has a corner at every level where a spread is small, no lattice lies over criteria: rows are
+// computed at the nodes of w themselves.
 // Nodes and lattices depend on the place alone, not on the places before it: ln L is a function.
 //
 // Source: Pinheiro and Bates 1995, J Comput Graph Stat 4:12 (adaptive quadrature about the posterior); Trefethen and
@@ -121,7 +123,7 @@ class HierarchicalLikelihood {
   };
   // What is known of a condition's answers on lattices of some steps.
   struct Lattice {
-    ResponseLattice responses;
+    ResponseLattice responses, beside;  // of choices the latter a step of the criterion away
     std::vector<CellLikelihood> cells;  // by participant
   };
   // How fine a lattice must be about a place.
@@ -156,6 +158,8 @@ class HierarchicalLikelihood {
   void go_back(const Person& person, Evaluation& at) const;
   double log_of(const Person& person, const Evaluation& at) const;
   HierarchicalPlace slope_of(const Evaluation& at) const;
+  bool choice() const noexcept { return model_ == ResponseModel::choice; }
+  void lay_out_rows(std::size_t condition, const LatticeRange& needed, double origin, double spacing);
   bool fine_enough(Person& person, const Evaluation& at) const;
 
   ResponseModel model_;

@@ -145,7 +145,7 @@ void ResponseLattice::lay_out_question(std::size_t i, const LatticeRange& before
   const bool no_slope = model_ == ResponseModel::yes_no && question.level == 0;  // the same at every spread
   // Of this row the nodes between.
   const auto calculate = [&](int k, int from, int to) {
-    const double criterion = k * steps_.criterion + shift_k;
+    const double criterion = steps_.origin + k * steps_.criterion + shift_k;
     GradedLogRates rates{};
     for (int s = from; s <= to; ++s) {
       const std::size_t at = range_.place(s, k);
@@ -235,13 +235,29 @@ void CellLikelihood::cover(const LatticeRange& range, ResponseLattice& responses
   AnswerRows rows(answers_, responses, range_);
   for (int k = range_.k0; k <= range_.k1; ++k) rows.write(k, &values_[range_.place(range_.s0, k)]);
   largest_ = *std::max_element(values_.begin(), values_.end());
-  if (!responses.smooth()) exponentiate(values_, largest_);
+}
+
+void CellLikelihood::take(const LatticeRange& range, const ResponseLattice& responses, const ResponseLattice& beside) {
+  if (!range_.empty() && range_.holds(range)) return;
+  range_ = range;
+  shared_ = responses.shared();
+  values_.resize(range_.nodes());
+  slopes_.resize(range_.nodes());
+  AnswerRows rows(answers_, responses, range_), rows_beside(answers_, beside, range_);
+  for (int k = range_.k0; k <= range_.k1; ++k) {
+    const std::size_t at = range_.place(range_.s0, k);
+    rows.write(k, &values_[at]);
+    rows_beside.write(k, &slopes_[at]);
+  }
+  const double step = beside.steps().origin - responses.steps().origin;
+  for (std::size_t i = 0; i < values_.size(); ++i) slopes_[i] = (slopes_[i] - values_[i]) / step;
+  largest_ = *std::max_element(values_.begin(), values_.end());
 }
 
 double CellLikelihood::weighted_sum(const LatticeRange& nodes, const std::vector<double>& weights,
                                     const ResponseLattice& responses) const {
   double sum = 0;
-  if (responses.smooth() && responses.shared() == shared_) {  // they lie here
+  if (responses.shared() == shared_) {  // they lie here
     for (int k = nodes.k0; k <= nodes.k1; ++k)
       sum += dot(at(nodes.s0, k), &weights[nodes.place(nodes.s0, k)], nodes.wide());
     return sum;

@@ -34,6 +34,7 @@ struct LatticeRange {
 
 struct LatticeSteps {
   double ln_s = 0, criterion = 0;  // > 0
+  double origin = 0;               // the criterion of node 0
 };
 
 // What was asked, as far as the answer's probability depends on it.
@@ -69,10 +70,6 @@ class ResponseLattice {
                   const LatticeSteps& steps);
 
   const LatticeSteps& steps() const noexcept { return steps_; }
-  // Whether the logarithm of a likelihood is smooth on the scale of one answer, whatever the spread: then a few criteria
-  // tell all of it. That of choices has a corner where a spread is small, between which and the next node a polynomial
-  // would swing; a likelihood is bounded.
-  bool smooth() const noexcept { return model_ != ResponseModel::choice; }
   const LatticeRange& range() const noexcept { return range_; }
   void forget() noexcept { range_ = {}; }
   // Holds that range, and what it held before as far as that lies near it.
@@ -103,16 +100,19 @@ struct QuestionAnswers {
   AnswerTally counts;
 };
 
-// Their log-likelihood on the lattice, and its largest value there; where it is not smooth (ResponseLattice), the
-// likelihood divided by its largest value.
+// Their log-likelihood on the lattice, and its largest value there.
 class CellLikelihood {
  public:
   explicit CellLikelihood(std::vector<QuestionAnswers> answers) : answers_(std::move(answers)) {}
 
   void cover(const LatticeRange& range, ResponseLattice& responses);
+  // Exactly these nodes, and the derivatives by the criterion, from responses a step of it beside.
+  void take(const LatticeRange& range, const ResponseLattice& responses, const ResponseLattice& beside);
+  const double* slope_at(int s, int k) const noexcept { return &slopes_[range_.place(s, k)]; }
   void forget() noexcept {
     range_ = {};
     values_ = {};
+    slopes_ = {};
   }
   const LatticeRange& range() const noexcept { return range_; }
   const double* at(int s, int k) const noexcept { return &values_[range_.place(s, k)]; }
@@ -127,7 +127,7 @@ class CellLikelihood {
   std::vector<QuestionAnswers> answers_;
   LatticeRange range_;
   SharedParameters shared_;  // of its values
-  std::vector<double> values_;
+  std::vector<double> values_, slopes_;
   double largest_ = 0;
 };
 
