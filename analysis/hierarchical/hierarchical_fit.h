@@ -167,6 +167,8 @@ class HierarchicalAnalysis {
   // Throws Stopped.
   const HierarchicalFit& complete(const HierarchicalWish& wish, int threads = 1);
   const HierarchicalFit& add_intervals() { return complete({.intervals = true}); }
+  const std::vector<ConditionDifference>& differences() { return complete({.pairs = pairs()}).differences; }
+  const std::vector<SharedEstimate>& shared_estimates() { return complete({.shared = true}).shared_estimates; }
   // Of all pairs of conditions; none of a model with one_mean.
   std::vector<std::pair<std::size_t, std::size_t>> pairs() const;
 

@@ -356,7 +356,7 @@ bool HierarchicalLikelihood::fine_enough(Person& person, const Evaluation& at) c
 }
 
 // Backwards: from the integral to the derivatives of its logarithm by the weights over ln s, and by the criteria.
-void HierarchicalLikelihood::go_back(const Person& person, Evaluation& at) const {
+void HierarchicalLikelihood::go_back(Evaluation& at) const {
   for (std::size_t c = 0; c < conditions_; ++c) {
     at.adjoint = at.prior;
     for (std::size_t other = 0; other < conditions_; ++other)
@@ -509,7 +509,7 @@ void HierarchicalLikelihood::through_everybody(const HierarchicalPlace& place, E
     if (by.any()) look_beside(place, by);
     std::size_t done = 0;
     for (; done < people_.size() && settled(people_[done], at); ++done) {
-      go_back(people_[done], at);
+      go_back(at);
       each(done, at);
       if (!fine_enough(people_[done], at)) break;
     }

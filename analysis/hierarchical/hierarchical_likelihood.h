@@ -155,7 +155,7 @@ class HierarchicalLikelihood {
   bool settled(Person& person, Evaluation& at);
   void integrate(Person& person, Evaluation& at);
   bool grown(Person& person, const Evaluation& at) const;
-  void go_back(const Person& person, Evaluation& at) const;
+  void go_back(Evaluation& at) const;
   double log_of(const Person& person, const Evaluation& at) const;
   HierarchicalPlace slope_of(const Evaluation& at) const;
   bool choice() const noexcept { return model_ == ResponseModel::choice; }

@@ -32,4 +32,14 @@ inline std::vector<HierarchicalCell> published_study(int participants, std::uint
   return drawn_answers(published_questions(participants), HierarchicalModel{}, published_truth(), 1, study);
 }
 
+// From a place, with the shared parameters of the likelihood.
+inline HierarchicalMaximum maximise(HierarchicalLikelihood& likelihood, const HierarchicalForm& form,
+                                    const HierarchicalPlace& start, double criterion_unit = 1,
+                                    double negligible = kNegligible) {
+  HierarchicalMaximum from;
+  from.place = start;
+  from.shared = likelihood.shared();
+  return jnd::maximise(likelihood, form, from, criterion_unit, negligible);
+}
+
 }  // namespace jnd::testing
