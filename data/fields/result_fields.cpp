@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "analysis/numerics/decimal_order.h"
 #include "analysis/numerics/special_values.h"
 #include "data/fields/between_fields.h"
 #include "protocols/planning/track_threshold.h"
@@ -125,7 +126,7 @@ Fields<CellResult> cell_fields(const Protocol& protocol) {
       condition_field<R>(protocol),
       F("series", "series", [series](const R& r) { return series(r).name; }),
       F(in_unit("difference_", protocol), "stiffness difference of the series, as asked",
-        [series](const R& r) { return std::abs(series(r).pair[1] - series(r).pair[0]); },
+        [series](const R& r) { return plain_distance(series(r).pair[0], series(r).pair[1]); },
         {.unit = unit, .title = "asked " + unit, .digits = digits}),
       F(in_unit("delivered_difference_", protocol),
         "mean delivered difference |k2 - k1| of the counted trials with different stimuli; empty without one",

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "analysis/numerics/decimal_order.h"
 #include "analysis/procedures/posterior_defaults.h"
 
 namespace jnd {
@@ -36,7 +37,7 @@ void set_levels(PosteriorModel& model, const AdaptiveProcedure& procedure) {
   }
   for (const int side : procedure.sides) {
     for (const double distance : distances) {
-      c.levels.push_back(c.standard + side * distance);
+      c.levels.push_back(plain_sum(c.standard, side * distance));
       model.distances.push_back(distance);
     }
     if (side > 0) continue;  // those below the standard ascend too
@@ -84,7 +85,7 @@ std::vector<PosteriorAnswer> posterior_answers(PosteriorTask task, std::span<con
     } else {
       // Of one interval the distance of the signal from the noise.
       const double other = trial.stimuli.size() > 1 ? trial.stimuli[1] : trial.standard;
-      answers.push_back({std::abs(trial.stimuli[0] - other), trial.correct() == (trial.stimuli[0] != other)});
+      answers.push_back({plain_distance(trial.stimuli[0], other), trial.correct() == (trial.stimuli[0] != other)});
     }
   }
   return answers;

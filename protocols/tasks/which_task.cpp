@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "analysis/numerics/decimal_order.h"
 #include "analysis/numerics/normal.h"
 #include "protocols/input/json_reader.h"
 #include "protocols/tasks/arrangements.h"
@@ -172,7 +173,7 @@ std::optional<AnswerModel> WhichTask::answer_model(const Protocol& protocol) con
 }
 
 LevelAnswer WhichTask::level_answer(const AnsweredTrial& trial, const TaskSpec& spec) const {
-  return {trial.stimuli[static_cast<std::size_t>(comparison_place(trial))] - trial.standard,
+  return {plain_sum(trial.stimuli[static_cast<std::size_t>(comparison_place(trial))], -trial.standard),
           comparison_has_more(trial, spec)};
 }
 

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "analysis/detection/yes_no.h"
+#include "analysis/numerics/decimal_order.h"
 #include "analysis/numerics/normal.h"
 #include "analysis/numerics/special_values.h"
 #include "analysis/ratings/rating_roc.h"
@@ -106,7 +107,7 @@ Answer YesNoTask::answer(std::span<const Felt> felt, const Trial& trial, const P
 namespace {
 
 LevelAnswer read_yes(const AnsweredTrial& trial) noexcept {
-  return {std::abs(trial.stimuli[0] - trial.standard), trial.said == kYes};
+  return {plain_distance(trial.stimuli[0], trial.standard), trial.said == kYes};
 }
 
 // "Yes" by the distance from the noise; 0 is the noise itself.
