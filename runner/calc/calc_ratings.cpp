@@ -189,7 +189,7 @@ ordered_json ratings_json(const NamedRatings& named) {
 }
 
 constexpr std::pair<RatingStatus, const char*> kRatingMeanings[] = {
-    {RatingStatus::separated, "the ratings of noise and signal do not overlap: d' is infinite"},
+    {RatingStatus::separated, "noise and signal share one category at most: d' is infinite"},
     {RatingStatus::unbounded,
      "some of the ratings say nothing about sigma: equal variances, or the trapezoids, remain"},
     {RatingStatus::not_applicable, "unequal variances need three categories in use, and classes that overlap"},

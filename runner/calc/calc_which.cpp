@@ -245,6 +245,7 @@ std::string which_text(const std::optional<double>& value) {
 std::string which_meanings(const std::vector<TwoIntervalAnswer>& answers) {
   static constexpr std::pair<TwoIntervalStatus, const char*> kMeanings[] = {
       {TwoIntervalStatus::separated, "a step fits best: the JND is below what these levels can show, the PSE a range"},
+      {TwoIntervalStatus::not_identified, "one level only: neither PSE nor JND; add levels"},
       {TwoIntervalStatus::flat, "no slope above 0 fits better than one rate for all levels: there is no PSE"},
       {TwoIntervalStatus::all_same, "one and the same answer throughout: neither PSE nor JND"},
       {TwoIntervalStatus::missing, "no trials"}};
