@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "analysis/numerics/decimal_order.h"
 #include "analysis/numerics/words.h"
 #include "data/log/body_numbers.h"
 #include "data/log/presentation_body.h"
@@ -160,11 +159,11 @@ Trial trial_from(const Json& body) {
     const auto unit = body.at("unit").get<std::string>();
     if (unit.size() > kMostOfUnit) throw StorageError("a unit of more than 64 bytes");
     trial.unit = Unit::named(unit);
-    trial.standard = plain_decimal(number_at(body, "standard"));
-    trial.stimuli = Intervals({plain_decimal(number_at(body, stimulus_key(0, trial.unit).c_str()))});
+    trial.standard = number_at(body, "standard");
+    trial.stimuli = Intervals({number_at(body, stimulus_key(0, trial.unit).c_str())});
     for (std::size_t i = 1; i < kMostIntervals; ++i)
       if (const std::string key = stimulus_key(i, trial.unit); body.contains(key))
-        trial.stimuli.push_back(plain_decimal(number_at(body, key.c_str())));
+        trial.stimuli.push_back(number_at(body, key.c_str()));
     const Json& target = body.at("target");
     trial.target = target.is_null() ? -1 : whole(target);
     if (trial.task == TaskKind::same_different && body.at("same").get<bool>() != (trial.target == 0))

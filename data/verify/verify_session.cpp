@@ -260,8 +260,11 @@ void SessionCheck::check_planned(const Event& event, Trial trial) {
   if (adaptive_->over(planned))
     problem(event, "trial {} comes after its track, {} of condition {}, had ended.", trial.index, planned.track,
             planned.condition + 1);
-  // Older sessions have staircases whose sums were not rounded.
-  const auto nearly = [](double a, double b) { return std::abs(a - b) <= 1e-11 * std::abs(b); };
+  // Older sessions have sums that were not rounded.
+  const auto nearly = [&](double a, double b) {
+    return std::abs(a - b) <= 1e-11 * (std::abs(b) + std::abs(planned.standard));
+  };
+  if (nearly(trial.standard, planned.standard)) trial.standard = planned.standard;
   if (std::equal(trial.stimuli.begin(), trial.stimuli.end(), planned.stimuli.begin(), planned.stimuli.end(), nearly))
     trial.stimuli = planned.stimuli;
   check_presented(event, trial, planned);
