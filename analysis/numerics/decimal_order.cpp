@@ -20,7 +20,8 @@ constexpr int kMostDigits = 15;
 constexpr double kShort = 1e15;   // mantissas of at most so many digits are smaller
 constexpr int kMostPlaces = 37;   // from the first digit of the largest number to the last of the finest
 constexpr int kExactDigits = 11;  // of a decimal with more of them the fifteenth digit may be rounded
-constexpr double kError = 5e-15;  // half a unit of the fifteenth digit, relative to the number, at most
+constexpr int kTenths = 6;        // of a unit of the fifteenth digit: half of one, and the rounding of what was written
+constexpr double kError = 6e-15;  // the same, relative to the number, at most
 
 struct Decimal {
   std::int64_t mantissa = 0;
@@ -65,7 +66,7 @@ int digits_of(std::int64_t mantissa) noexcept {
   return digits;
 }
 
-// The power of ten of which 5 are half a unit of the fifteenth digit; empty if the decimal is exact.
+// The power of ten that is a tenth of a unit of the fifteenth digit; empty if the decimal is exact.
 std::optional<int> rounding_of(const Decimal& decimal) noexcept {
   std::int64_t significant = decimal.mantissa;
   while (significant != 0 && significant % 10 == 0) significant /= 10;
@@ -109,7 +110,7 @@ std::optional<std::array<std::vector<Multiple>, N>> whole_multiples(
     for (const Decimal& decimal : decimals[list]) {
       const std::optional<int> rounding = rounding_of(decimal);
       result[list].push_back(
-          {in_finest(decimal.mantissa, decimal.exponent), rounding ? in_finest(5, *rounding) : Wide{0}});
+          {in_finest(decimal.mantissa, decimal.exponent), rounding ? in_finest(kTenths, *rounding) : Wide{0}});
     }
   }
   return result;

@@ -4,9 +4,9 @@
 // 5.50 - 5.45 and 5.40 - 5.35 are one difference, but not as doubles: ranks, ties and exact p values would follow the
 // rounding, and change with the unit.
 //   Values are compared exactly if each is a decimal of at most 15 digits and all lie within 37 places of one another.
-//   Differences are then computed exactly. A decimal of more than 11 digits may have been rounded: it is known to half a
-//   unit of its fifteenth digit, a difference to the sum of both, and differences nearer than their sum are equal.
-//   Other numbers, such as means, are known to 5e-15 of themselves, which is half a unit of the fifteenth digit at most.
+//   Differences are then computed exactly. A decimal of more than 11 digits may have been rounded: it is known to 0.6
+//   units of its fifteenth digit, a difference to the sum of both, and differences nearer than their sum are equal.
+//   Other numbers, such as means, are known to 6e-15 of themselves, which are 0.6 of these units at most.
 // What is equal to a neighbour in the order is equal to the neighbour's neighbours.
 // R's wilcox.test and friedman.test compare the doubles; wilcox.test(digits.rank = 9) rounds the differences first.
 // Tests: R 4.2.2 on whole multiples of the unit of measured data; data times 1/3.
