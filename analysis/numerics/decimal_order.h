@@ -17,8 +17,8 @@
 
 namespace jnd {
 
-// Every number of a table or of a protocol is read so, and every level of a plan is made so: equal levels are one level.
-// The nearest decimal of 15 digits: 0.3 of 0.1 + 0.2. value: finite.
+// The nearest decimal of 15 digits: 0.3 of 0.1 + 0.2. Every number of a table or of a protocol is read so, and every level
+// of a plan is made so, or by plain_sum(): equal levels are one level. value: finite.
 double plain_decimal(double value);
 
 // a + b to the fifteenth digit of the larger of the two: 0.1 of 1.1 - 1, and 0 of 0.1 + 0.2 - 0.3.

@@ -16,9 +16,9 @@
 //     first 0 (Thurstone); d' = mu_(i+1) - mu_i with errors from the observed information. Responses that were never
 //     given are left out.
 //
-// Source: Zahl 1977, Ecology 58:907; Miller 1955, Note on the bias of information estimates; Miller and Madow 1954; Braida and Durlach 1972, J
-// Acoust Soc Am 51:483 (d' and total d'); Macmillan and Creelman 2005, chapter 5. Checked against: R 4.2.2
-// (ordinal::clm), bits 1e-12, d' 1e-6.
+// Source: Zahl 1977, Ecology 58:907; Miller 1955, Note on the bias of information estimates; Miller and Madow 1954;
+// Braida and Durlach 1972, J Acoust Soc Am 51:483 (d' and total d'); Macmillan and Creelman 2005, chapter 5. Checked
+// against: R 4.2.2 (ordinal::clm), bits 1e-12, d' 1e-6.
 #pragma once
 
 #include <cstdint>

@@ -34,10 +34,9 @@ struct RatingEstimate {
   double value, se;  // NaN where undefined
 };
 
-// Numbers are NaN, and criteria empty, where the status leaves them undefined. Under `separated` d' is +-inf, and A_z 1 or 0 unless
-// the classes share a category;
-// under `separated` the log-likelihood is the one that is approached, under `unbounded` that at the end of the range of
-// sigma (ordinal_probit.h), which is short of it by less than 1e-5 of the number of trials.
+// Numbers are NaN, and criteria empty, where the status leaves them undefined. Under `separated` d' is +-inf,
+// A_z 1 or 0 unless the classes share a category, and the log-likelihood the one that is approached; under `unbounded`
+// that at the end of the range of sigma (ordinal_probit.h), which is short of it by less than 1e-5 of the trials.
 struct EqualVarianceRoc {
   RatingStatus status = RatingStatus::missing;
   double log_likelihood;

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "analysis/numerics/decimal_order.h"
 #include "protocols/input/read_file.h"
 #include "protocols/input/sha256.h"
 #include "protocols/reading/participant_texts.h"
@@ -18,11 +17,6 @@ std::string name_of_file(const std::string& file) {
   std::string name = std::filesystem::path(file).filename().string();
   if (name.size() > 5 && name.substr(name.size() - 5) == ".json") name.resize(name.size() - 5);
   return name;
-}
-
-void round_numbers(JsonNode& node) {
-  node.number = plain_decimal(node.number);
-  for (JsonNode& item : node.items) round_numbers(item);
 }
 
 void read_notes(const JsonNode& list, ProtocolReading& reading) {

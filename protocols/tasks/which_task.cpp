@@ -301,8 +301,7 @@ std::string WhichTask::methods(const Protocol& protocol) const {
       "maximum likelihood, with the lapse rate l {}{}. The JND is {}; the Weber fraction is JND / standard. Intervals are "
       "profile likelihood, 95 %. There is no JND, and an interval that is open on one side, where the status is separated "
       "(the levels are told apart without an error) or flat (the best slope is not positive), and none of either where it "
-      "is not_identified (one level) or "
-      "is all_same (one answer throughout).",
+      "is not_identified (one level) or all_same (one answer throughout).",
       protocol.task.standard_first ? ")"
                                    : " + b o), o = 1 where the comparison came second and -1 where it came first,",
       plan.lapse_free ? "free from 0 to 0.1" : fmt::format("fixed at {:g}", plan.lapse), pse, jnd);

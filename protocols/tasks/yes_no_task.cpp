@@ -246,8 +246,8 @@ std::string YesNoTask::methods(const Protocol& protocol) const {
   if (protocol.task.sureness_levels > 0)
     text +=
         " The ratings were fitted with normal distributions of unequal variances; d_a and the area A_z have intervals "
-        "of 1.96 standard errors, and there is neither where the ratings of noise and signals share one category at most (separated, "
-        "not_applicable) or bound no variance (unbounded).";
+        "of 1.96 standard errors, and there is neither where the ratings of noise and signals share one category at most "
+        "(separated, not_applicable) or bound no variance (unbounded).";
   return text;
 }
 
