@@ -5,6 +5,7 @@
 
 #include <boost/math/special_functions/gamma.hpp>
 
+#include "analysis/numerics/counts_per_level.h"
 #include "analysis/numerics/special_values.h"
 #include "analysis/numerics/words.h"
 #include "analysis/psychometric/psychometric_quantity.h"
@@ -107,7 +108,10 @@ bool take_estimates(PsychometricSolution& solution) {
 void take_deviance(PsychometricFit& fit, const PsychometricData& data) {
   // The rates themselves cannot be beaten; rounding may say otherwise.
   fit.deviance = std::fmax(0, 2 * (data.saturated - fit.log_likelihood));
-  if (fit.degrees_of_freedom >= 1)
+  CountsPerLevel counts;
+  for (std::size_t i = 0; i < data.levels(); ++i) counts.add(data.n[i], data.k[i]);
+  fit.few_trials = counts.too_few();
+  if (fit.degrees_of_freedom >= 1 && !fit.few_trials)
     fit.deviance_p = boost::math::gamma_q(0.5 * fit.degrees_of_freedom, 0.5 * fit.deviance);
 }
 

@@ -6,6 +6,7 @@
 
 #include <boost/math/special_functions/gamma.hpp>
 
+#include "analysis/numerics/counts_per_level.h"
 #include "analysis/numerics/special_values.h"
 #include "analysis/numerics/words.h"
 #include "analysis/thresholds/counts_sampler.h"
@@ -78,6 +79,7 @@ void bootstrap(FitQuality& quality, std::span<const SeriesCounts> series, const 
 
 constexpr auto kFitStatusWords = words<FitStatus>({{"ok", FitStatus::ok},
                                                    {"no_degrees_of_freedom", FitStatus::no_degrees_of_freedom},
+                                                   {"few_trials", FitStatus::few_trials},
                                                    {"no_information", FitStatus::no_information}});
 
 }  // namespace
@@ -107,9 +109,16 @@ FitQuality fit_quality(std::span<const SeriesCounts> series, JndMethod method, i
     quality.status = FitStatus::no_degrees_of_freedom;
     return quality;
   }
-  quality.status = FitStatus::ok;
-  quality.deviance_p = upper_tail(found.deviance, quality.degrees_of_freedom);
-  quality.pearson_p = upper_tail(found.pearson, quality.degrees_of_freedom);
+  CountsPerLevel counts;
+  for (const SeriesCounts& one : usable) {
+    counts.add(one.counts.n_diff, one.counts.hits);
+    counts.add(one.counts.n_same, one.counts.false_alarms);
+  }
+  quality.status = counts.too_few() ? FitStatus::few_trials : FitStatus::ok;
+  if (quality.status == FitStatus::ok) {
+    quality.deviance_p = upper_tail(found.deviance, quality.degrees_of_freedom);
+    quality.pearson_p = upper_tail(found.pearson, quality.degrees_of_freedom);
+  }
   quality.replicates = replicates;
   if (replicates > 0) bootstrap(quality, usable, fit, method, seed);
   return quality;

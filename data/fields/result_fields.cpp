@@ -450,7 +450,7 @@ Fields<ThresholdModel> model_fields(const Protocol& protocol) {
         {.column = "deviance"}),
       beside<R>("fit.df",
                 [](const R& r) { return r.quality ? std::optional(r.quality->degrees_of_freedom) : std::nullopt; }),
-      F("fit.p", "its chi-square p", quality(&FitQuality::deviance_p),
+      F("fit.p", "its chi-square p; empty unless fit.status is ok", quality(&FitQuality::deviance_p),
         {.column = "deviance_p", .title = "deviance p", .shown = Shown::p_value})};
   add_group_field(fields, protocol);
   return fields;
