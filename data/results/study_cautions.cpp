@@ -97,22 +97,57 @@ void add_threshold_cautions(const StudyAnalysis& analysis, const Protocol& proto
 }
 
 // A condition's threshold is that of its tracks that have one, which may be the upper or the lower ones only.
-void add_track_cautions(const AdaptiveResults& measured, const Protocol& protocol, std::vector<std::string>& out) {
-  if (threshold_source(protocol) == ThresholdSource::answers) return;
-  int tracks = 0, without = 0, without_here = 0;
-  for (const AdaptiveRow& row : measured.rows) {
-    const bool ok = row.threshold.status == AdaptiveStatus::ok;
-    if (row.track != 0) {
-      ++tracks;
-      without_here += ok ? 0 : 1;
-      continue;
-    }
-    without += ok ? without_here : 0;
-    without_here = 0;
-  }
-  if (without > 0)
-    out.push_back(fmt::format("{} tracks have no threshold; that of their condition rests on its other tracks alone.",
-                              share(without, tracks)));
+void add_track_cautions(const StudyResults& results, const Protocol& protocol, std::vector<std::string>& out) {
+  TrackCount tracks;
+  int lost = 0, thresholds = 0, of_fewer = 0;
+  const auto add = [&](const TrackCount& one) {
+    tracks.all += one.all;
+    tracks.unfinished += one.unfinished;
+    if (one.used == 0) return;
+    lost += one.all - one.used;
+    ++thresholds;
+    of_fewer += one.used < one.all ? 1 : 0;
+  };
+  if (const auto* adaptive = std::get_if<AdaptiveResults>(&results.measured))
+    for (const AdaptiveRow& row : adaptive->rows) add(row.threshold.tracks);
+  if (const auto* task = std::get_if<MeasuredTask>(&results.measured))
+    for (const TaskEstimateRow& row : task->task.estimates) add(row.estimates.tracks);
+  if (tracks.unfinished > 0)
+    out.push_back(
+        fmt::format("{} tracks did not end: they have fewer than {} reversals, and {} (analysis.unfinished_tracks).",
+                    share(tracks.unfinished, tracks.all), protocol.design.procedure->averaged_reversals,
+                    protocol.analysis.unfinished_tracks == UnfinishedTracks::use ? "count with those that they have"
+                                                                                 : "are left out"));
+  if (lost > 0)
+    out.push_back(fmt::format(
+        "{} tracks have no threshold; {} of {} thresholds rest on the other tracks of their condition alone.",
+        share(lost, tracks.all), of_fewer, thresholds));
+}
+
+// Estimates with a prior differ less than what they estimate: tests of them find too little.
+void add_prior_caution(const StudyResults& results, const Protocol& protocol, std::vector<std::string>& out) {
+  constexpr double kLittle = 0.1;
+  int estimates = 0, heavy = 0;
+  double most = 0;
+  const auto add = [&](double weight) {
+    ++estimates;
+    heavy += weight > kLittle ? 1 : 0;
+    most = std::max(most, weight);
+  };
+  if (const auto* adaptive = std::get_if<AdaptiveResults>(&results.measured))
+    for (const AdaptiveRow& row : adaptive->rows)
+      if (row.track == 0 && row.threshold.status == AdaptiveStatus::ok) add(row.threshold.prior_weight);
+  if (const auto* task = std::get_if<MeasuredTask>(&results.measured))
+    for (const TaskEstimateRow& row : task->task.estimates)
+      if (const TaskEstimate& one = row.estimates.values[task->task.registered]; one.value) add(one.prior_weight);
+  if (heavy == 0) return;
+  out.push_back(fmt::format(
+      "In {} estimates that the tests compare, the procedure's prior has more than 10 % of the weight (at most {:.0f} %) "
+      "and pulls them towards its mean: conditions and groups differ less in them than they do.{}",
+      share(heavy, estimates), 100 * most,
+      task_of(protocol.task.kind).answer_model(protocol)
+          ? " The hierarchical model (jnd analyze --tests) compares conditions without that pull."
+          : ""));
 }
 
 void add_test_cautions(const OutcomeComparison& outcome, const Protocol& protocol, std::vector<std::string>& out) {
@@ -203,9 +238,11 @@ std::vector<std::string> cautions_of(const StudyResults& results, const Protocol
     add_rate_cautions(constant->analysis, out);
     add_threshold_cautions(constant->analysis, protocol, out);
   }
-  if (const auto* adaptive = std::get_if<AdaptiveResults>(&results.measured))
-    add_track_cautions(*adaptive, protocol, out);
-  if (const OutcomeComparison* outcome = registered(results.comparisons)) add_test_cautions(*outcome, protocol, out);
+  add_track_cautions(results, protocol, out);
+  const OutcomeComparison* outcome = registered(results.comparisons);
+  if ((outcome != nullptr && outcome->refused.empty()) || (results.groups && results.groups->tested()))
+    add_prior_caution(results, protocol, out);
+  if (outcome != nullptr) add_test_cautions(*outcome, protocol, out);
   if (results.groups && results.groups->tested() && results.groups->test == BetweenTest::mixed_anova &&
       results.groups->comparison.anova.unequal)
     out.emplace_back(
