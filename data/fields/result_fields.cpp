@@ -520,9 +520,7 @@ Fields<AdaptiveRow> track_fields(const Protocol& protocol) {
                        [](const R& r) { return r.threshold.high; },
                        {.column = "ci95_high", .unit = unit, .digits = digits}));
   }
-  if (source != ThresholdSource::answers)
-    add_track_fields(fields,
-                     [](const R& r) { return r.track == 0 ? std::optional(r.threshold.tracks) : std::nullopt; });
+  if (source != ThresholdSource::answers) add_track_fields(fields, [](const R& r) { return r.threshold.tracks; });
   fields.push_back(F("n", told.n, [](const R& r) { return r.threshold.n; }));
   fields.push_back(F("weber", "threshold / reference", &R::weber, {.title = "Weber", .shown = Shown::percent}));
   fields.push_back(

@@ -23,21 +23,14 @@ int slope_step(const Protocol& protocol) noexcept;
 // "jnd_n_per_m": of fields that carry the study's unit in their name.
 std::string in_unit(const std::string& name, const Protocol& protocol);
 
-// How many tracks a threshold rests on. get: of a row an optional TrackCount.
+// How many tracks a threshold rests on. get: of a row a TrackCount.
 template <typename Row, typename Get>
 void add_track_fields(Fields<Row>& fields, Get get) {
-  const auto part = [get](int TrackCount::*member) {
-    return [get, member](const Row& row) -> std::optional<int> {
-      const std::optional<TrackCount> tracks = get(row);
-      return tracks ? std::optional((*tracks).*member) : std::nullopt;
-    };
-  };
-  fields.push_back(
-      {"tracks_used", "tracks that the threshold rests on; empty of a single track", part(&TrackCount::used)});
+  fields.push_back({"tracks_used", "tracks that the threshold of the condition rests on",
+                    [get](const Row& row) { return get(row).used; }});
   fields.push_back({"tracks_unfinished",
-                    "tracks with fewer reversals than are averaged; analysis.unfinished_tracks of the protocol says "
-                    "whether they are used",
-                    part(&TrackCount::unfinished)});
+                    "tracks with fewer reversals than are averaged; methods.md says what becomes of them",
+                    [get](const Row& row) { return get(row).unfinished; }});
 }
 
 Fields<CellResult> cell_fields(const Protocol& protocol);

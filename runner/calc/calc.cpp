@@ -36,7 +36,7 @@ void say_look_alikes(const CsvTable& table, const std::string& column, const std
 bool say_falling(std::vector<AnsweredLevel> levels, const std::string& group) {
   const std::optional<FallingAnswers> falling = falling_answers(std::move(levels));
   if (!falling) return false;
-  const auto end = [](const EndOfLevels& one) {
+  const auto end = [](const FallingAnswers::End& one) {
     return fmt::format("{} of {} at {:g}{}", one.k, one.n, one.from,
                        one.to == one.from ? "" : fmt::format(" to {:g}", one.to));
   };

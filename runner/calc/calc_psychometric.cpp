@@ -1,7 +1,6 @@
 // jnd calc fit: psychometric functions of counts, with intervals, goodness of fit and comparisons of groups.
 #include "runner/calc/calc_psychometric.h"
 
-#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <map>
@@ -371,13 +370,13 @@ std::string meanings_text(const std::vector<PsychometricAnswer>& answers) {
         text += warn(fmt::format("{}: {}.", to_string(status), meaning)) + "\n";
         break;
       }
-  if (std::any_of(answers.begin(), answers.end(),
-                  [](const PsychometricAnswer& one) { return p_status(one.fit) == kFewTrials; }))
-    text +=
-        warn(
-            "few_trials: the chi-square p of the deviance needs 5 trials per level on average, and one of each answer;\n"
-            "--interval bootstrap draws a p without it.") +
-        "\n";
+  for (const PsychometricAnswer& answer : answers)
+    if (p_status(answer.fit) == kFewTrials)
+      return text +
+             warn(
+                 "few_trials: the chi-square p of the deviance needs 5 trials per level on average, and one of "
+                 "each\nanswer; --interval bootstrap draws a p without it.") +
+             "\n";
   return text;
 }
 

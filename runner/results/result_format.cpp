@@ -27,7 +27,7 @@ std::string condition_title(const Condition& condition) {
 }
 
 std::string tracks_words(const TrackCount& tracks) {
-  if (tracks.used > 0 && tracks.used < tracks.all) return fmt::format("{} of {} tracks", tracks.used, tracks.all);
+  if (tracks.used > 0 && tracks.used < tracks.all) return fmt::format("{} of {} tracks used", tracks.used, tracks.all);
   return tracks.unfinished > 0 ? fmt::format("{} of {} tracks unfinished", tracks.unfinished, tracks.all) : "";
 }
 
