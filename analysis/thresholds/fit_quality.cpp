@@ -4,10 +4,8 @@
 #include <stdexcept>
 #include <vector>
 
-#include <boost/math/special_functions/gamma.hpp>
-
-#include "analysis/numerics/counts_per_level.h"
 #include "analysis/numerics/special_values.h"
+#include "analysis/numerics/tail_probabilities.h"
 #include "analysis/numerics/words.h"
 #include "analysis/thresholds/counts_sampler.h"
 #include "analysis/thresholds/jnd_ml.h"
@@ -47,10 +45,6 @@ Misfit misfit(std::span<const SeriesCounts> series, const MlSlope& fit) noexcept
     sum += cell_misfit(counts.false_alarms, counts.n_same, fit.rates[i].equal_pair);
   }
   return sum;
-}
-
-double upper_tail(double chi2, int degrees_of_freedom) {
-  return boost::math::gamma_q(0.5 * degrees_of_freedom, 0.5 * chi2);
 }
 
 // Draws from the fit, fits again, and counts what fits no better.
@@ -116,8 +110,8 @@ FitQuality fit_quality(std::span<const SeriesCounts> series, JndMethod method, i
   }
   quality.status = counts.too_few() ? FitStatus::few_trials : FitStatus::ok;
   if (quality.status == FitStatus::ok) {
-    quality.deviance_p = upper_tail(found.deviance, quality.degrees_of_freedom);
-    quality.pearson_p = upper_tail(found.pearson, quality.degrees_of_freedom);
+    quality.deviance_p = chi2_upper(found.deviance, quality.degrees_of_freedom);
+    quality.pearson_p = chi2_upper(found.pearson, quality.degrees_of_freedom);
   }
   quality.replicates = replicates;
   if (replicates > 0) bootstrap(quality, usable, fit, method, seed);

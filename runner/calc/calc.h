@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "analysis/numerics/falling_answers.h"
+#include "analysis/behaviour/falling_answers.h"
 #include "protocols/input/csv_table.h"
 #include "runner/terminal/command_tree.h"
 

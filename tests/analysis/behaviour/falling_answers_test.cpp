@@ -1,5 +1,5 @@
 // Answers that fall with the level: the trend test at its boundary, and the ends that are named.
-#include "analysis/numerics/falling_answers.h"
+#include "analysis/behaviour/falling_answers.h"
 
 #include "tests/catch.h"
 
