@@ -140,7 +140,7 @@ void read_unfinished_tracks(JsonReader& reader, ProtocolReading& reading) {
       reader.one_of_or<Use>("unfinished_tracks", {{"leave_out", Use::leave_out}, {"use", Use::use}}, Use::leave_out);
   const bool reversals =
       reading.protocol.design.procedure && threshold_source(reading.protocol) == ThresholdSource::reversals;
-  if (reader.member("unfinished_tracks") != nullptr && !reversals)
+  if (reader.member("unfinished_tracks") != nullptr && !reversals && reading.sound("$.design.procedure"))
     reader.error("unfinished_tracks", "there is no staircase whose reversals are averaged", "remove it");
 }
 
