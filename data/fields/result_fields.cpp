@@ -451,7 +451,7 @@ Fields<ThresholdModel> model_fields(const Protocol& protocol) {
         {.column = "deviance"}),
       beside<R>("fit.df",
                 [](const R& r) { return r.quality ? std::optional(r.quality->degrees_of_freedom) : std::nullopt; }),
-      F("fit.p", "its chi-square p", quality(&FitQuality::deviance_p),
+      F("fit.p", "its chi-square p; empty unless fit.status is ok", quality(&FitQuality::deviance_p),
         {.column = "deviance_p", .title = "deviance p", .shown = Shown::p_value})};
   add_group_field(fields, protocol);
   return fields;
@@ -521,6 +521,7 @@ Fields<AdaptiveRow> track_fields(const Protocol& protocol) {
                        [](const R& r) { return r.threshold.high; },
                        {.column = "ci95_high", .unit = unit, .digits = digits}));
   }
+  if (source != ThresholdSource::answers) add_track_fields(fields, [](const R& r) { return r.threshold.tracks; });
   fields.push_back(F("n", told.n, [](const R& r) { return r.threshold.n; }));
   fields.push_back(F("weber", "threshold / reference", &R::weber, {.title = "Weber", .shown = Shown::percent}));
   fields.push_back(

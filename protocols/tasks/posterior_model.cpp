@@ -97,7 +97,7 @@ PosteriorOfAnswers posterior_of_answers(const PosteriorConfiguration& configurat
   c.utility = PosteriorUtility::variance;  // nothing is chosen
   c.levels = levels_of(answers);
   PosteriorProcedure posterior(c);
-  const double prior_sd = posterior.estimate().sd_ln_s;
+  const PosteriorEstimate prior = posterior.estimate();
   for (const PosteriorAnswer& answer : answers) {
     const auto place = std::lower_bound(c.levels.begin(), c.levels.end(), answer.level) - c.levels.begin();
     posterior.update(static_cast<std::size_t>(place), answer.positive);
@@ -109,10 +109,10 @@ PosteriorOfAnswers posterior_of_answers(const PosteriorConfiguration& configurat
                              estimate.sd_ln_s,
                              posterior.ln_s_quantile(0.025),
                              posterior.ln_s_quantile(0.975),
-                             prior_sd,
+                             prior.sd_ln_s,
                              is_highest_at_end(posterior),
                              posterior.trials()};
-  return {posterior_threshold(of_ln_s), estimate};
+  return {posterior_threshold(of_ln_s), estimate, prior};
 }
 
 PosteriorOfAnswers posterior_of_trials(const Protocol& protocol, const Series& series,
@@ -123,7 +123,7 @@ PosteriorOfAnswers posterior_of_trials(const Protocol& protocol, const Series& s
 
 TaskEstimate posterior_estimate(const AdaptiveThreshold& threshold, double factor) {
   if (threshold.status != AdaptiveStatus::ok) return {};
-  return {factor * threshold.threshold, factor * threshold.low, factor * threshold.high};
+  return {factor * threshold.threshold, factor * threshold.low, factor * threshold.high, threshold.prior_weight};
 }
 
 }  // namespace jnd

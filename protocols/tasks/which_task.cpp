@@ -151,9 +151,10 @@ void set_by_posterior(TaskEstimates& estimates, const Protocol& protocol, const 
   const double factor = jnd_of(choice_jnds(TwoIntervalOptions().link, 1), protocol.analysis.jnd_convention);
   const double standard = series.standard, bias = of.estimate.mean_shift;
   const double half_width = kNormal975 * of.estimate.sd_shift;
+  const double weight = std::pow(of.estimate.sd_shift / of.prior.sd_shift, 2);
   const bool ok = of.threshold.status == AdaptiveStatus::ok;
   const auto shift = [&](double from) {
-    return ok ? TaskEstimate{from + bias, from + bias - half_width, from + bias + half_width} : TaskEstimate{};
+    return ok ? TaskEstimate{from + bias, from + bias - half_width, from + bias + half_width, weight} : TaskEstimate{};
   };
   estimates.status = to_string(of.threshold.status);
   estimates.values[0] = posterior_estimate(of.threshold, factor);
