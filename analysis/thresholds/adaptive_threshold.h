@@ -70,9 +70,9 @@ struct LogPosterior {
 // than the prior, nor where the posterior is highest at an end of the grid; sd and n are given all the same.
 AdaptiveThreshold posterior_threshold(const LogPosterior& posterior);
 
-// Several tracks of one participant and condition. Those that are ok (or unfinished, if these are used) are averaged: levels of staircases, logarithms of
-// QUEST, whose standard deviation is that of the mean of independent posteriors. n adds up; a staircase's sd is pooled
-// over the tracks. Without one that is ok the status is the tracks' worst.
+// Several tracks of one participant and condition. Those that are ok (or unfinished, if these are used) are averaged:
+// levels of staircases, logarithms of QUEST, whose standard deviation is that of the mean of independent posteriors. n
+// adds up; a staircase's sd is pooled over the tracks. Without one that is ok the status is the tracks' worst.
 AdaptiveThreshold combined_staircases(const std::vector<AdaptiveThreshold>& tracks,
                                       UnfinishedTracks unfinished = UnfinishedTracks::leave_out);
 AdaptiveThreshold combined_quests(const std::vector<AdaptiveThreshold>& tracks);
