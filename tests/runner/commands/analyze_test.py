@@ -72,15 +72,15 @@ class Analyze(program.Shared):
             protocol["design"]["procedure"].update(stop={"trials": 10}, averaged_reversals=6)
             protocol["analysis"]["unfinished_tracks"] = use
             file = self.write(f"across-{use}.json", json.dumps(protocol))
-            self.jnd("simulate", file, "--participants", 6, "--study", f"{use}.sqlite", "--seed", 2)
+            self.jnd("simulate", file, "--participants", 4, "--study", f"{use}.sqlite", "--seed", 5)
             result = self.analysis(f"{use}.sqlite")
             people = result["participants"]
             unfinished = sum(row["tracks_unfinished"] for row in people)
             said = [caution for caution in result["cautions"] if "did not end" in caution]
             self.assertEqual(len(said), 1)
-            self.says(said[0], f"{unfinished} of 12 ", "fewer than 6 reversals",
+            self.says(said[0], f"{unfinished} of 8 ", "fewer than 6 reversals",
                       "count with those that they have" if use == "use" else "are left out")
-            self.assertTrue(0 < unfinished < 12)
+            self.assertTrue(0 < unfinished < 8)
             for row in people:
                 self.assertEqual(row["tracks_used"], 2 if use == "use" else 2 - row["tracks_unfinished"])
                 self.assertEqual(row["track_threshold"] is None, row["tracks_used"] == 0)
