@@ -16,8 +16,8 @@ double f_upper(double f, double df1, double df2) noexcept;  // P(F > f); df need
 double chi2_upper(double chi2, double df) noexcept;         // P(X > chi2); chi2 <= 0 gives 1
 
 // Whether counts are large enough for the chi-square p of a deviance. With one trial per level the deviance of the true
-// function does not follow chi-square at all; with few, or where nearly all answers are alike, not closely. Drawn answers of
-// 4 to 20 levels that pass have p < .05 in 1 to 13 % of cases. Source: McCullagh and Nelder 1989, section 4.4.
+// function does not follow chi-square at all; with few, or where nearly all answers are alike, not closely. Source:
+// McCullagh and Nelder 1989, section 4.4.
 struct CountsPerLevel {
   double levels = 0, trials = 0, rarer = 0;  // rarer: answers of the word that a level has fewer of
 
