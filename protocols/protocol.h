@@ -13,6 +13,7 @@
 #include "analysis/procedures/posterior.h"
 #include "analysis/procedures/quest.h"
 #include "analysis/procedures/staircase.h"
+#include "analysis/thresholds/adaptive_threshold.h"
 #include "protocols/vocabulary.h"
 
 namespace jnd {
@@ -301,7 +302,8 @@ struct AnalysisPlan {
   std::string jnd_convention = "75 %";  // "75 %", "84 %", "d'=1"
   double lapse = 0;                     // fixed rate; lapse_free: estimated
   bool lapse_free = false;
-  bool by_delivered = false;  // slopes over the delivered stiffness differences
+  UnfinishedTracks unfinished_tracks = UnfinishedTracks::leave_out;  // of staircases, see adaptive_threshold.h
+  bool by_delivered = false;                                         // slopes over the delivered stiffness differences
   bool hierarchical =
       false;  // contrasts are ratios of JNDs by one model of everybody's answers, not of separate values
   Exclusions exclude;

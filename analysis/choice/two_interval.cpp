@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <stdexcept>
 #include <vector>
 
@@ -222,6 +223,10 @@ TwoIntervalSolution solve_two_interval(std::span<const ChoiceRow> rows, const Tw
     fit.status = TwoIntervalStatus::all_same;
     fit.log_likelihood = solution.constant.value;
     fit.lapse = used.lapse ? used.lapse : solution.constant.lapse;
+  } else if (!options.pse && std::adjacent_find(data.t.begin(), data.t.end(), std::not_equal_to<>()) == data.t.end()) {
+    fit.status = TwoIntervalStatus::not_identified;
+    fit.log_likelihood = solution.constant.value;
+    fit.lapse = used.lapse;
   } else {
     find_maximum(solution);
   }

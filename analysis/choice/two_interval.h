@@ -47,17 +47,20 @@ struct TwoIntervalOptions {
 inline constexpr double kLargestChoiceLapse = 0.1;
 
 enum class TwoIntervalStatus {
-  ok,         // finite positive slope
-  separated,  // the likelihood grows all the way to s -> 0: s and the JNDs are 0, the PSE is a range
-  flat,       // the best slope is <= 0: s and the JNDs are infinite, no PSE
-  all_same,   // one and the same answer throughout: neither s nor PSE
-  missing     // no trials
+  ok,              // finite positive slope
+  separated,       // the likelihood grows all the way to s -> 0: s and the JNDs are 0, the PSE is a range
+  not_identified,  // one level only, and a PSE to estimate: any slope goes through its rate
+  flat,            // the best slope is <= 0: s and the JNDs are infinite, no PSE
+  all_same,        // one and the same answer throughout: neither s nor PSE
+  missing          // no trials
 };
-inline constexpr auto kTwoIntervalStatusWords = words<TwoIntervalStatus>({{"ok", TwoIntervalStatus::ok},
-                                                                          {"separated", TwoIntervalStatus::separated},
-                                                                          {"flat", TwoIntervalStatus::flat},
-                                                                          {"all_same", TwoIntervalStatus::all_same},
-                                                                          {"missing", TwoIntervalStatus::missing}});
+inline constexpr auto kTwoIntervalStatusWords =
+    words<TwoIntervalStatus>({{"ok", TwoIntervalStatus::ok},
+                              {"separated", TwoIntervalStatus::separated},
+                              {"not_identified", TwoIntervalStatus::not_identified},
+                              {"flat", TwoIntervalStatus::flat},
+                              {"all_same", TwoIntervalStatus::all_same},
+                              {"missing", TwoIntervalStatus::missing}});
 
 struct ChoiceBounds {
   double low = 0, high = 0;  // infinite where open
@@ -92,7 +95,8 @@ TwoIntervalFit fit_two_interval(std::span<const ChoiceRow> rows, const TwoInterv
 // 95 % profile-likelihood intervals: the connected set about the estimate that is not rejected at 5 %, the other
 // parameters at their best. Open ends are infinite.
 struct TwoIntervalIntervals {
-  // None under missing; pse has no meaning where it is fixed; order_b as in the fit, also where any b does.
+  // Empty under missing and not_identified; pse has no meaning where it is fixed; order_b as in the fit, also where any b
+  // does.
   std::optional<ChoiceBounds> pse, s, order_b;
 };
 TwoIntervalIntervals two_interval_intervals(std::span<const ChoiceRow> rows, const TwoIntervalOptions& options = {});

@@ -220,7 +220,8 @@ class ChoiceIntervals {
 TwoIntervalIntervals two_interval_intervals(std::span<const ChoiceRow> rows, const TwoIntervalOptions& options) {
   const TwoIntervalSolution solution = solve_two_interval(rows, options);
   TwoIntervalIntervals intervals;
-  if (solution.fit.status == TwoIntervalStatus::missing) return intervals;
+  if (solution.fit.status == TwoIntervalStatus::missing || solution.fit.status == TwoIntervalStatus::not_identified)
+    return intervals;
   const bool with_order = solution.options.order_term;
   if (solution.fit.status == TwoIntervalStatus::all_same) {
     // Every threshold beside the levels on that side predicts the answers, however steep.

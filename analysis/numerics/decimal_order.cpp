@@ -16,9 +16,12 @@ namespace {
 
 __extension__ using Wide = __int128;  // every whole number below 1.7e38
 
-constexpr double kShort = 1e15;     // mantissas of at most 15 digits are smaller
-constexpr int kMostPlaces = 37;     // from the first digit of the largest number to the last of the finest
-constexpr double kError = 0x1p-51;  // relative to the number: two roundings of the largest kind
+constexpr int kMostDigits = 15;
+constexpr double kShort = 1e15;   // mantissas of at most so many digits are smaller
+constexpr int kMostPlaces = 37;   // from the first digit of the largest number to the last of the finest
+constexpr int kExactDigits = 11;  // of a decimal with more of them the fifteenth digit may be rounded
+constexpr int kTenths = 6;        // of a unit of the fifteenth digit: half of one, and the rounding of what was written
+constexpr double kError = 6e-15;  // the same, relative to the number, at most
 
 struct Decimal {
   std::int64_t mantissa = 0;
@@ -47,7 +50,7 @@ std::optional<Decimal> short_decimal(double value) {
   for (const char* at = text.data(); at != mark; ++at) {
     if (*at == '.') after_point = true;
     if (*at < '0' || *at > '9') continue;
-    if (++digits > 15) return std::nullopt;
+    if (++digits > kMostDigits) return std::nullopt;
     fraction += after_point ? 1 : 0;
     decimal.mantissa = 10 * decimal.mantissa + (*at - '0');
   }
@@ -63,9 +66,26 @@ int digits_of(std::int64_t mantissa) noexcept {
   return digits;
 }
 
-// The values of all lists as whole multiples of one power of ten; none where they are no such decimals.
+// The power of ten that is a tenth of a unit of the fifteenth digit; empty if the decimal is exact.
+std::optional<int> rounding_of(const Decimal& decimal) noexcept {
+  std::int64_t significant = decimal.mantissa;
+  while (significant != 0 && significant % 10 == 0) significant /= 10;
+  if (digits_of(significant) <= kExactDigits) return std::nullopt;
+  return decimal.exponent + digits_of(decimal.mantissa) - kMostDigits - 1;
+}
+
+// A value and what it may be off by.
+template <typename Number>
+struct Known {
+  Number value = 0, error = 0;
+};
+using Multiple = Known<Wide>;
+using Rounded = Known<double>;
+
+// The values of all lists as whole multiples of one power of ten; empty if they are no such decimals.
 template <std::size_t N>
-std::optional<std::array<std::vector<Wide>, N>> whole_multiples(const std::array<std::span<const double>, N>& lists) {
+std::optional<std::array<std::vector<Multiple>, N>> whole_multiples(
+    const std::array<std::span<const double>, N>& lists) {
   std::array<std::vector<Decimal>, N> decimals;
   int finest = std::numeric_limits<int>::max(), first_place = std::numeric_limits<int>::min();
   for (std::size_t list = 0; list < N; ++list) {
@@ -75,89 +95,111 @@ std::optional<std::array<std::vector<Wide>, N>> whole_multiples(const std::array
       if (!decimal) return std::nullopt;
       decimals[list].push_back(*decimal);
       if (decimal->mantissa == 0) continue;
-      finest = std::min(finest, decimal->exponent);
+      finest = std::min(finest, rounding_of(*decimal).value_or(decimal->exponent));
       first_place = std::max(first_place, decimal->exponent + digits_of(decimal->mantissa));
     }
   }
   if (first_place > std::numeric_limits<int>::min() && first_place - finest > kMostPlaces) return std::nullopt;
-  std::array<std::vector<Wide>, N> result;
+  const auto in_finest = [finest](Wide multiple, int exponent) {
+    for (int place = finest; multiple != 0 && place < exponent; ++place) multiple *= 10;
+    return multiple;
+  };
+  std::array<std::vector<Multiple>, N> result;
   for (std::size_t list = 0; list < N; ++list) {
     result[list].reserve(decimals[list].size());
     for (const Decimal& decimal : decimals[list]) {
-      Wide multiple = decimal.mantissa;
-      if (multiple != 0)
-        for (int place = finest; place < decimal.exponent; ++place) multiple *= 10;
-      result[list].push_back(multiple);
+      const std::optional<int> rounding = rounding_of(decimal);
+      result[list].push_back(
+          {in_finest(decimal.mantissa, decimal.exponent), rounding ? in_finest(kTenths, *rounding) : Wide{0}});
     }
   }
   return result;
 }
 
-// Places 0, 1, ... of the keys; neighbours in their order share a place where same(smaller, larger) says so.
-template <typename Key, typename Same>
-std::vector<int> places_of(const std::vector<Key>& keys, Same same) {
+// Whether the numbers cannot be told apart.
+template <typename Number>
+bool same(const Known<Number>& smaller, const Known<Number>& larger) {
+  return larger.value == smaller.value || larger.value - smaller.value < smaller.error + larger.error;
+}
+
+// Places 0, 1, ... of the keys; neighbours in their order share a place if they cannot be told apart.
+template <typename Number>
+std::vector<int> places_of(const std::vector<Known<Number>>& keys) {
   std::vector<std::size_t> order(keys.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return keys[a] < keys[b]; });
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return keys[a].value < keys[b].value; });
   std::vector<int> places(keys.size(), 0);
   for (std::size_t i = 1; i < order.size(); ++i)
     places[order[i]] = places[order[i - 1]] + (same(keys[order[i - 1]], keys[order[i]]) ? 0 : 1);
   return places;
 }
 
-std::vector<int> exact_places(const std::vector<Wide>& keys) {
-  return places_of(keys, [](Wide a, Wide b) { return a == b; });
-}
-
-struct Rounded {
-  double value = 0, error = 0;
-  bool operator<(const Rounded& other) const noexcept { return value < other.value; }
-};
-
-std::vector<int> rounded_places(const std::vector<Rounded>& keys) {
-  return places_of(keys, [](const Rounded& a, const Rounded& b) { return b.value - a.value <= a.error + b.error; });
-}
-
-// sizes: of the differences that are not 0, of which signs holds the signs and, for the others, 0.
-template <typename Key, typename PlacesOf>
-std::vector<int> signed_places(std::vector<int> signs, const std::vector<Key>& sizes, PlacesOf of) {
-  const std::vector<int> places = of(sizes);
+template <typename Number>
+std::vector<int> difference_places(const std::vector<Known<Number>>& x, const std::vector<Known<Number>>& y) {
+  std::vector<int> signs(x.size(), 0);
+  std::vector<Known<Number>> sizes;  // of the differences that are not 0
+  for (std::size_t i = 0; i < signs.size(); ++i) {
+    const bool more = x[i].value > y[i].value;
+    if (more ? same(y[i], x[i]) : same(x[i], y[i])) continue;
+    signs[i] = more ? 1 : -1;
+    sizes.push_back({more ? x[i].value - y[i].value : y[i].value - x[i].value, x[i].error + y[i].error});
+  }
+  const std::vector<int> places = places_of(sizes);
   std::size_t used = 0;
   for (int& sign : signs)
     if (sign != 0) sign *= places[used++] + 1;
   return signs;
 }
 
-}  // namespace
-
-std::vector<int> decimal_places(std::span<const double> values) {
-  if (const auto exact = whole_multiples<1>({values})) return exact_places((*exact)[0]);
+std::vector<Rounded> rounded(std::span<const double> values) {
   std::vector<Rounded> keys;
   keys.reserve(values.size());
   for (const double value : values) keys.push_back({value, kError * std::abs(value)});
-  return rounded_places(keys);
+  return keys;
+}
+
+// Of the first digit: 2 of 123.
+int place_of(double value) {
+  return value == 0 ? 0 : static_cast<int>(std::floor(std::log10(std::abs(value))));
+}
+
+double with_digits(double value, int digits) {
+  std::array<char, 32> text{};  // -d.dddddddddddddde-ddd
+  const auto end = std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::scientific,
+                                 std::max(digits, 1) - 1)
+                       .ptr;
+  double rounded = value;
+  std::from_chars(text.data(), end, rounded);
+  return rounded;
+}
+
+}  // namespace
+
+double plain_decimal(double value) {
+  if (std::abs(value) < kShort && value == std::nearbyint(value)) return value;
+  return with_digits(value, kMostDigits);
+}
+
+double plain_sum(double a, double b) {
+  const double sum = a + b;
+  const int digits = kMostDigits - place_of(std::max(std::abs(a), std::abs(b))) + place_of(sum);
+  return digits < 1 ? 0 : digits >= kMostDigits ? plain_decimal(sum) : with_digits(sum, digits);
+}
+
+double plain_distance(double a, double b) {
+  return std::abs(plain_sum(a, -b));
+}
+
+std::vector<int> decimal_places(std::span<const double> values) {
+  auto exact = whole_multiples<1>({values});
+  if (!exact) return places_of(rounded(values));
+  for (Multiple& one : (*exact)[0]) one.error = 0;  // the same fraction is the same decimal
+  return places_of((*exact)[0]);
 }
 
 std::vector<int> decimal_difference_places(std::span<const double> x, std::span<const double> y) {
-  std::vector<int> signs(x.size(), 0);
-  if (const auto exact = whole_multiples<2>({x, y})) {
-    std::vector<Wide> sizes;
-    for (std::size_t i = 0; i < signs.size(); ++i) {
-      const Wide difference = (*exact)[0][i] - (*exact)[1][i];
-      if (difference == 0) continue;
-      signs[i] = difference > 0 ? 1 : -1;
-      sizes.push_back(difference > 0 ? difference : -difference);
-    }
-    return signed_places(std::move(signs), sizes, exact_places);
-  }
-  std::vector<Rounded> sizes;
-  for (std::size_t i = 0; i < signs.size(); ++i) {
-    const double size = std::abs(x[i] - y[i]), error = kError * std::max(std::abs(x[i]), std::abs(y[i]));
-    if (size <= error) continue;
-    signs[i] = x[i] > y[i] ? 1 : -1;
-    sizes.push_back({size, error});
-  }
-  return signed_places(std::move(signs), sizes, rounded_places);
+  if (const auto exact = whole_multiples<2>({x, y})) return difference_places((*exact)[0], (*exact)[1]);
+  return difference_places(rounded(x), rounded(y));
 }
 
 }  // namespace jnd

@@ -1,13 +1,13 @@
-// The order of measured numbers, and of differences between them, as the decimals that were read.
+// Measured numbers as decimals of 15 significant digits, which is what R, MATLAB and spreadsheets write, and what a double
+// keeps of every decimal; and the order of such numbers, and of differences between them.
 //
 // 5.50 - 5.45 and 5.40 - 5.35 are one difference, but not as doubles: ranks, ties and exact p values would follow the
-// rounding, and change with the unit. So numbers are compared
-//   exactly, as the shortest decimals that read back the same, where all of them have at most 15 significant digits
-//   (a double keeps every such decimal) and lie within 37 places of one another;
-//   within their rounding elsewhere: a number x is taken as known to 2^-51 |x|, a difference to 2^-51 of the larger
-//   of its two numbers. That is enough for the third of a decimal and for a mean of few values; fitted values tie only
-//   where their data are the same. Numbers that are nearer than both errors together are equal, and so is a chain of
-//   such neighbours.
+// rounding, and change with the unit.
+//   Values are compared exactly if each is a decimal of at most 15 digits and all lie within 37 places of one another.
+//   Differences are then computed exactly. A decimal of more than 11 digits may have been rounded: it is known to 0.6
+//   units of its fifteenth digit, a difference to the sum of both, and differences nearer than their sum are equal.
+//   Other numbers, such as means, are known to 6e-15 of themselves, which are 0.6 of these units at most.
+// What is equal to a neighbour in the order is equal to the neighbour's neighbours.
 // R's wilcox.test and friedman.test compare the doubles; wilcox.test(digits.rank = 9) rounds the differences first.
 // Tests: R 4.2.2 on whole multiples of the unit of measured data; data times 1/3.
 #pragma once
@@ -16,6 +16,15 @@
 #include <vector>
 
 namespace jnd {
+
+// The nearest decimal of 15 digits: 0.3 of 0.1 + 0.2. Every number of a table or of a protocol is read so, and every level
+// of a plan is made so, or by plain_sum(): equal levels are one level. value: finite.
+double plain_decimal(double value);
+
+// a + b to the fifteenth digit of the larger of the two: 0.1 of 1.1 - 1, and 0 of 0.1 + 0.2 - 0.3.
+double plain_sum(double a, double b);
+// |a - b|, likewise.
+double plain_distance(double a, double b);
 
 // The place of each value among the different ones: 0 for the smallest, then 1, 2, ...; equal values share a place.
 // values: finite.

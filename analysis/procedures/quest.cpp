@@ -27,6 +27,9 @@ std::string problem_of(const QuestParameters& parameters) {
   if (!inside(parameters.delta)) return "delta is a share from 0 to below 1";
   if (!inside(parameters.gamma)) return "gamma is a probability from 0 to below 1";
   if (!(parameters.grain > 0) || !(parameters.range > 0)) return "grain and range must be above 0";
+  constexpr double kMostSds = 6;  // beyond, the guess has all of the prior
+  if (parameters.range < 2 * parameters.grain || parameters.grain > kMostSds * parameters.t_guess_sd)
+    return "the grid has one threshold only: take a smaller grain, or a larger range or standard deviation";
   if (2 * half_steps(parameters) + 1 > kLargestGrid) return "the grid has more than 200001 values: a larger grain";
   const double lowest = parameters.gamma;  // psi without a stimulus: delta gamma + (1 - delta) gamma
   const double highest = parameters.delta * parameters.gamma + 1 - parameters.delta;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "analysis/numerics/decimal_order.h"
+
 namespace jnd {
 
 std::string problem_of(const StaircaseRule& rule) {
@@ -38,7 +40,7 @@ double Staircase::stepped(bool correct) const {
     const double factor = correct ? 1 / step_down_ : step_up_;
     return by == 1 ? (correct ? level_ / step_down_ : level_ * step_up_) : level_ * std::pow(factor, 1 / by);
   }
-  return correct ? level_ - step_down_ / by : level_ + step_up_ / by;
+  return plain_sum(level_, correct ? -step_down_ / by : step_up_ / by);
 }
 
 void Staircase::answer(bool correct) {

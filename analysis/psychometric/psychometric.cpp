@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include <boost/math/special_functions/gamma.hpp>
-
 #include "analysis/numerics/special_values.h"
+#include "analysis/numerics/tail_probabilities.h"
 #include "analysis/numerics/words.h"
 #include "analysis/psychometric/psychometric_quantity.h"
 #include "analysis/psychometric/psychometric_search.h"
@@ -107,8 +106,10 @@ bool take_estimates(PsychometricSolution& solution) {
 void take_deviance(PsychometricFit& fit, const PsychometricData& data) {
   // The rates themselves cannot be beaten; rounding may say otherwise.
   fit.deviance = std::fmax(0, 2 * (data.saturated - fit.log_likelihood));
-  if (fit.degrees_of_freedom >= 1)
-    fit.deviance_p = boost::math::gamma_q(0.5 * fit.degrees_of_freedom, 0.5 * fit.deviance);
+  CountsPerLevel counts;
+  for (std::size_t i = 0; i < data.levels(); ++i) counts.add(data.n[i], data.k[i]);
+  fit.few_trials = counts.too_few();
+  if (fit.degrees_of_freedom >= 1 && !fit.few_trials) fit.deviance_p = chi2_upper(fit.deviance, fit.degrees_of_freedom);
 }
 
 void forget_estimates(PsychometricSolution& solution) {

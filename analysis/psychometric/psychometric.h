@@ -86,7 +86,8 @@ struct PsychometricFit {
   // supremum, which no function of the family reaches; NaN under no_information, and where levels are too few.
   double log_likelihood = kNaN;
   double deviance = kNaN;      // 2 (log-likelihood of the rates themselves - this one)
-  double deviance_p = kNaN;    // chi-square with degrees_of_freedom; NaN where that is < 1
+  double deviance_p = kNaN;    // chi-square with degrees_of_freedom; NaN if that is < 1, or few_trials
+  bool few_trials = false;     // too few per level for that p (CountsPerLevel); the bootstrap has one
   int degrees_of_freedom = 0;  // different levels - free parameters
   int levels = 0;              // different ones, with trials
   long long trials = 0;

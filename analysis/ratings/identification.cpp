@@ -58,15 +58,23 @@ double occupied(const std::vector<double>& counts) {
   return static_cast<double>(std::count_if(counts.begin(), counts.end(), [](double n) { return n > 0; }));
 }
 
+// By how much x log2 x grows from x - 1 to x.
+double growth(double x) {
+  return x > 1 ? x * std::log2(x) - (x - 1) * std::log2(x - 1) : 0;
+}
+
 void set_information(Identification& out, const CategoryCounts& counts, const Margins& margins) {
   const double trials = margins.trials;
-  double bits = 0, correct = 0, cells = 0;
+  double bits = 0, jackknife = 0, correct = 0, cells = 0;
   for (std::size_t i = 0; i < counts.size(); ++i) {
     correct += counts[i][i];
     cells += occupied(counts[i]);
     for (std::size_t j = 0; j < counts[i].size(); ++j) {
       const double n = counts[i][j];
-      if (n > 0) bits += n / trials * std::log2(n * trials / (margins.stimuli[i] * margins.responses[j]));
+      if (n == 0) continue;
+      bits += n / trials * std::log2(n * trials / (margins.stimuli[i] * margins.responses[j]));
+      jackknife +=
+          n / trials * (growth(n) + growth(trials) - growth(margins.stimuli[i]) - growth(margins.responses[j]));
     }
   }
   const double rows = occupied(margins.stimuli), columns = occupied(margins.responses);
@@ -74,6 +82,7 @@ void set_information(Identification& out, const CategoryCounts& counts, const Ma
   out.information_bits = bits;
   out.stimulus_entropy_bits = entropy_bits(margins.stimuli, trials);
   out.response_entropy_bits = entropy_bits(margins.responses, trials);
+  out.jackknife_bits = jackknife;
   out.miller_madow_bits = bits + (rows + columns - cells - 1) * unit;
   out.table_corrected_bits = bits - (rows - 1) * (columns - 1) * unit;
   out.relative = rows > 1 ? bits / out.stimulus_entropy_bits : kNaN;
@@ -248,7 +257,7 @@ Identification identification(const std::vector<std::vector<int>>& confusion) {
     return out;
   }
   out.information_bits = out.stimulus_entropy_bits = out.response_entropy_bits = kNaN;
-  out.miller_madow_bits = out.table_corrected_bits = out.relative = kNaN;
+  out.jackknife_bits = out.miller_madow_bits = out.table_corrected_bits = out.relative = kNaN;
   out.equivalent_classes = out.proportion_correct = kNaN;
   return out;
 }

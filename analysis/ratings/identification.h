@@ -2,10 +2,13 @@
 // responses transmit, and d' between neighbours.
 //
 //   I = sum p_ij log2(p_ij / (p_i p_j)), 0 log 0 = 0, bits of the counts as they are (biased upwards)
+//   jackknife:        N I - (N - 1) times the mean information without one trial
+//                       = sum p_ij (d(n_ij) - d(n_i) - d(n_j) + d(N)), d(x) = x log2 x - (x - 1) log2(x - 1)
 //   Miller-Madow:     I + ((K_S - 1) + (K_R - 1) - (K_SR - 1)) / (2 N ln 2), K: rows, columns, cells that are not empty
 //   table corrected:  I - (K_S - 1)(K_R - 1) / (2 N ln 2)
 //   equivalent classes 2^I: so many could be told apart without error; relative: I / entropy of the stimuli
-// The two corrections differ, and neither is cut off at 0.
+// The corrections differ, and none is cut off at 0. Miller-Madow counts only cells that are not empty and leaves much of
+// the bias; the correction by the table takes off too much if most errors are between neighbours.
 //
 //   adjacent, log-linear: z of the share of responses above i after stimulus i + 1, less that after stimulus i, both
 //     (k + 0.5)/(n + 1)
@@ -13,9 +16,9 @@
 //     first 0 (Thurstone); d' = mu_(i+1) - mu_i with errors from the observed information. Responses that were never
 //     given are left out.
 //
-// Source: Miller 1955, Note on the bias of information estimates; Miller and Madow 1954; Braida and Durlach 1972, J
-// Acoust Soc Am 51:483 (d' and total d'); Macmillan and Creelman 2005, chapter 5. Checked against: R 4.2.2
-// (ordinal::clm), bits 1e-12, d' 1e-6.
+// Source: Zahl 1977, Ecology 58:907; Miller 1955, Note on the bias of information estimates; Miller and Madow 1954;
+// Braida and Durlach 1972, J Acoust Soc Am 51:483 (d' and total d'); Macmillan and Creelman 2005, chapter 5. Checked
+// against: R 4.2.2 (ordinal::clm), bits 1e-12, d' 1e-6.
 #pragma once
 
 #include <cstdint>
@@ -51,7 +54,7 @@ struct IdentificationScale {
 struct Identification {
   std::int64_t trials = 0;
   double information_bits, stimulus_entropy_bits, response_entropy_bits;
-  double miller_madow_bits, table_corrected_bits;
+  double jackknife_bits, miller_madow_bits, table_corrected_bits;
   double relative;  // NaN with a single stimulus
   double equivalent_classes, proportion_correct;
   std::vector<double> adjacent_loglinear;  // NaN where a stimulus of the two was never presented

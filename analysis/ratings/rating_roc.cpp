@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstddef>
 #include <numbers>
+#include <numeric>
 
 #include "analysis/numerics/normal.h"
 #include "analysis/numerics/special_values.h"
@@ -58,7 +59,8 @@ EqualVarianceRoc equal_variance(const OrdinalProbit& model, const CategoryCounts
       out.status = RatingStatus::separated;
       out.log_likelihood = saturated;
       out.dprime.value = direction * kInf;
-      out.area.value = direction > 0 ? 1 : 0;
+      const double shared = std::inner_product(counts[0].begin(), counts[0].end(), counts[1].begin(), 0.0);
+      if (shared == 0) out.area.value = direction > 0 ? 1 : 0;
       out.deviance = 0;
       return out;
     }

@@ -21,8 +21,9 @@ namespace jnd {
 
 enum class RatingStatus {
   ok,
-  separated,       // no rating of one class lies on the wrong side of any of the other: d' is infinite
-  unbounded,       // unequal variances only: the likelihood is highest where sigma, and mu with it, has no bound
+  separated,  // no rating of one class lies on the wrong side of any of the other (they share one category at most):
+              // d' is infinite
+  unbounded,  // unequal variances only: the likelihood is highest where sigma, and mu with it, has no bound
   not_applicable,  // unequal variances only: fewer than three categories, or separated classes
   no_information,  // one category throughout
   missing          // no trial of one class
@@ -33,9 +34,9 @@ struct RatingEstimate {
   double value, se;  // NaN where undefined
 };
 
-// Numbers are NaN, and criteria empty, where the status leaves them undefined. Under `separated` d' is +-inf, A_z 1 or 0;
-// under `separated` the log-likelihood is the one that is approached, under `unbounded` that at the end of the range of
-// sigma (ordinal_probit.h), which is short of it by less than 1e-5 of the number of trials.
+// Numbers are NaN, and criteria empty, where the status leaves them undefined. Under `separated` d' is +-inf,
+// A_z 1 or 0 unless the classes share a category, and the log-likelihood the one that is approached; under `unbounded`
+// that at the end of the range of sigma (ordinal_probit.h), which is short of it by less than 1e-5 of the trials.
 struct EqualVarianceRoc {
   RatingStatus status = RatingStatus::missing;
   double log_likelihood;

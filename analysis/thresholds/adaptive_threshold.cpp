@@ -14,18 +14,33 @@ AdaptiveThreshold without_threshold(AdaptiveStatus status) {
 }
 
 // Without a track that is ok: pinned ones say more about the procedure than short ones, and those more than empty ones.
-AdaptiveThreshold worst_of(const std::vector<AdaptiveThreshold>& tracks) {
+AdaptiveStatus worst_of(const std::vector<AdaptiveThreshold>& tracks) {
   for (const AdaptiveStatus status : {AdaptiveStatus::pinned_at_clamp, AdaptiveStatus::too_few_reversals})
     if (std::any_of(tracks.begin(), tracks.end(), [&](const auto& track) { return track.status == status; }))
-      return without_threshold(status);
-  return without_threshold(AdaptiveStatus::no_trials);
+      return status;
+  return AdaptiveStatus::no_trials;
 }
 
-std::vector<AdaptiveThreshold> usable(const std::vector<AdaptiveThreshold>& tracks) {
+std::vector<AdaptiveThreshold> usable(const std::vector<AdaptiveThreshold>& tracks, UnfinishedTracks unfinished) {
   std::vector<AdaptiveThreshold> good;
-  std::copy_if(tracks.begin(), tracks.end(), std::back_inserter(good),
-               [](const AdaptiveThreshold& track) { return track.status == AdaptiveStatus::ok; });
+  std::copy_if(tracks.begin(), tracks.end(), std::back_inserter(good), [&](const AdaptiveThreshold& track) {
+    return track.status == AdaptiveStatus::ok ||
+           (unfinished == UnfinishedTracks::use && track.n > 0 && track.status == AdaptiveStatus::too_few_reversals);
+  });
   return good;
+}
+
+// Nothing averaged yet.
+AdaptiveThreshold begun(const std::vector<AdaptiveThreshold>& tracks, const std::vector<AdaptiveThreshold>& good) {
+  AdaptiveThreshold all = without_threshold(worst_of(tracks));
+  all.tracks = {static_cast<int>(tracks.size()), static_cast<int>(good.size()),
+                static_cast<int>(std::count_if(tracks.begin(), tracks.end(), [](const AdaptiveThreshold& track) {
+                  return track.status == AdaptiveStatus::too_few_reversals;
+                }))};
+  if (good.empty()) return all;
+  all.status = AdaptiveStatus::ok;
+  all.threshold = all.sd = 0;
+  return all;
 }
 
 constexpr auto kAdaptiveStatusWords = words<AdaptiveStatus>({{"ok", AdaptiveStatus::ok},
@@ -70,9 +85,10 @@ AdaptiveThreshold quest_threshold(double mean, double sd, int trials, const std:
 AdaptiveThreshold posterior_threshold(const LogPosterior& posterior) {
   if (posterior.trials == 0) return without_threshold(AdaptiveStatus::no_trials);
   AdaptiveThreshold threshold{AdaptiveStatus::ok, kNaN, posterior.sd, posterior.trials};
+  threshold.prior_weight = posterior.sd * posterior.sd / (posterior.prior_sd * posterior.prior_sd);
   if (posterior.at_end)
     threshold.status = AdaptiveStatus::pinned_at_grid;
-  else if (2 * posterior.sd * posterior.sd > posterior.prior_sd * posterior.prior_sd)
+  else if (threshold.prior_weight > 0.5)
     threshold.status = AdaptiveStatus::too_few_answers;
   if (threshold.status != AdaptiveStatus::ok) return threshold;
   threshold.threshold = std::exp(posterior.mean);
@@ -81,10 +97,10 @@ AdaptiveThreshold posterior_threshold(const LogPosterior& posterior) {
   return threshold;
 }
 
-AdaptiveThreshold combined_staircases(const std::vector<AdaptiveThreshold>& tracks) {
-  const std::vector<AdaptiveThreshold> good = usable(tracks);
-  if (good.empty()) return worst_of(tracks);
-  AdaptiveThreshold all{AdaptiveStatus::ok, 0, 0, 0};
+AdaptiveThreshold combined_staircases(const std::vector<AdaptiveThreshold>& tracks, UnfinishedTracks unfinished) {
+  const std::vector<AdaptiveThreshold> good = usable(tracks, unfinished);
+  AdaptiveThreshold all = begun(tracks, good);
+  if (good.empty()) return all;
   double squares = 0;
   int freedom = 0;
   for (const AdaptiveThreshold& track : good) {
@@ -98,14 +114,15 @@ AdaptiveThreshold combined_staircases(const std::vector<AdaptiveThreshold>& trac
 }
 
 AdaptiveThreshold combined_quests(const std::vector<AdaptiveThreshold>& tracks) {
-  const std::vector<AdaptiveThreshold> good = usable(tracks);
-  if (good.empty()) return worst_of(tracks);
+  const std::vector<AdaptiveThreshold> good = usable(tracks, UnfinishedTracks::leave_out);
+  AdaptiveThreshold all = begun(tracks, good);
+  if (good.empty()) return all;
   const auto count = static_cast<double>(good.size());
   double logarithm = 0, variance = 0;
-  AdaptiveThreshold all{AdaptiveStatus::ok, 0, 0, 0};
   for (const AdaptiveThreshold& track : good) {
     logarithm += std::log10(track.threshold) / count;
     variance += track.sd * track.sd / (count * count);
+    all.prior_weight += track.prior_weight / count;
     all.n += track.n;
   }
   all.threshold = std::pow(10, logarithm);

@@ -27,6 +27,15 @@ enum class AdaptiveStatus {
   pinned_at_grid      // of the same: no JND is likelier than one at an end of the grid
 };
 
+// The tracks behind the threshold of a condition.
+struct TrackCount {
+  int all = 0, used = 0;
+  int unfinished = 0;  // staircases with too_few_reversals
+};
+
+// What becomes of a staircase's track with too_few_reversals: left out, or used with those that it has, if at least 2.
+enum class UnfinishedTracks { leave_out, use };
+
 struct AdaptiveThreshold {
   AdaptiveStatus status = AdaptiveStatus::no_trials;
   // In the unit of the levels; NaN where there is none.
@@ -37,6 +46,8 @@ struct AdaptiveThreshold {
   int n = 0;  // reversals averaged; of a posterior the trials that it rests on
   // Of a response model: the middle 95 % of the posterior, in the unit of the levels.
   double low = kNaN, high = kNaN;
+  double prior_weight = 0;  // of a posterior: its variance over that of the prior; 0 without a prior
+  TrackCount tracks{};      // of several tracks of staircases or QUEST
 };
 
 // levels: presented, in order; clamp: lowest and highest level. A staircase is pinned where more than half of its
@@ -59,10 +70,11 @@ struct LogPosterior {
 // than the prior, nor where the posterior is highest at an end of the grid; sd and n are given all the same.
 AdaptiveThreshold posterior_threshold(const LogPosterior& posterior);
 
-// Several tracks of one participant and condition. Those that are ok are averaged: levels of staircases, logarithms of
-// QUEST, whose standard deviation is that of the mean of independent posteriors. n adds up; a staircase's sd is pooled
-// over the tracks. Without one that is ok the status is the tracks' worst.
-AdaptiveThreshold combined_staircases(const std::vector<AdaptiveThreshold>& tracks);
+// Several tracks of one participant and condition. Those that are ok (or unfinished, if these are used) are averaged:
+// levels of staircases, logarithms of QUEST, whose standard deviation is that of the mean of independent posteriors. n
+// adds up; a staircase's sd is pooled over the tracks. Without one that is ok the status is the tracks' worst.
+AdaptiveThreshold combined_staircases(const std::vector<AdaptiveThreshold>& tracks,
+                                      UnfinishedTracks unfinished = UnfinishedTracks::leave_out);
 AdaptiveThreshold combined_quests(const std::vector<AdaptiveThreshold>& tracks);
 
 std::string_view to_string(AdaptiveStatus status) noexcept;

@@ -4,9 +4,8 @@
 #include <stdexcept>
 #include <vector>
 
-#include <boost/math/special_functions/gamma.hpp>
-
 #include "analysis/numerics/special_values.h"
+#include "analysis/numerics/tail_probabilities.h"
 #include "analysis/numerics/words.h"
 #include "analysis/thresholds/counts_sampler.h"
 #include "analysis/thresholds/jnd_ml.h"
@@ -48,10 +47,6 @@ Misfit misfit(std::span<const SeriesCounts> series, const MlSlope& fit) noexcept
   return sum;
 }
 
-double upper_tail(double chi2, int degrees_of_freedom) {
-  return boost::math::gamma_q(0.5 * degrees_of_freedom, 0.5 * chi2);
-}
-
 // Draws from the fit, fits again, and counts what fits no better.
 void bootstrap(FitQuality& quality, std::span<const SeriesCounts> series, const MlSlope& fit, JndMethod method,
                std::uint64_t seed) {
@@ -78,6 +73,7 @@ void bootstrap(FitQuality& quality, std::span<const SeriesCounts> series, const 
 
 constexpr auto kFitStatusWords = words<FitStatus>({{"ok", FitStatus::ok},
                                                    {"no_degrees_of_freedom", FitStatus::no_degrees_of_freedom},
+                                                   {"few_trials", FitStatus::few_trials},
                                                    {"no_information", FitStatus::no_information}});
 
 }  // namespace
@@ -107,9 +103,16 @@ FitQuality fit_quality(std::span<const SeriesCounts> series, JndMethod method, i
     quality.status = FitStatus::no_degrees_of_freedom;
     return quality;
   }
-  quality.status = FitStatus::ok;
-  quality.deviance_p = upper_tail(found.deviance, quality.degrees_of_freedom);
-  quality.pearson_p = upper_tail(found.pearson, quality.degrees_of_freedom);
+  CountsPerLevel counts;
+  for (const SeriesCounts& one : usable) {
+    counts.add(one.counts.n_diff, one.counts.hits);
+    counts.add(one.counts.n_same, one.counts.false_alarms);
+  }
+  quality.status = counts.too_few() ? FitStatus::few_trials : FitStatus::ok;
+  if (quality.status == FitStatus::ok) {
+    quality.deviance_p = chi2_upper(found.deviance, quality.degrees_of_freedom);
+    quality.pearson_p = chi2_upper(found.pearson, quality.degrees_of_freedom);
+  }
   quality.replicates = replicates;
   if (replicates > 0) bootstrap(quality, usable, fit, method, seed);
   return quality;

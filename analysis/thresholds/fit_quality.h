@@ -16,6 +16,7 @@ namespace jnd {
 enum class FitStatus {
   ok,
   no_degrees_of_freedom,  // as many parameters as cells: every fit is perfect, no p value
+  few_trials,             // too few per cell for the p of chi-square (CountsPerLevel); that of the bootstrap holds
   no_information          // no usable series, or nothing to fit a slope to (every answer alike)
 };
 std::string_view to_string(FitStatus status) noexcept;
@@ -28,10 +29,10 @@ struct FitQuality {
   // 2 (log-likelihood of the saturated model - that of the fit), and sum (k - n p)^2 / (n p (1 - p)). NaN under
   // no_information.
   double deviance = 0, pearson = 0;
-  // Upper tail of chi-square: good for some ten trials a cell and more. NaN unless ok.
+  // Upper tail of chi-square. NaN unless ok.
   double deviance_p = 0, pearson_p = 0;
   // Share of replicates drawn from the fit and fitted again that are at least as bad, (1 + worse) / (1 + replicates).
-  // NaN unless ok, and for replicates = 0.
+  // NaN unless ok or few_trials, and for replicates = 0.
   double deviance_p_bootstrap = 0, pearson_p_bootstrap = 0;
   int replicates = 0;  // that were drawn; those of one answer throughout count as perfect fits
 };

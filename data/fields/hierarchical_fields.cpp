@@ -345,8 +345,11 @@ Fields<HierarchicalPerson> hierarchical_person_fields(const Protocol& protocol, 
          "the JND given everybody's answers, drawn towards the group's: exp of the mean of ln JND; empty where status "
          "says why",
          &R::jnd, in_study_unit(protocol, in_unit("jnd_shrunken_", protocol), "shrunken " + jnd)),
-       F("ln_sd", "standard deviation of ln JND given the same, at the group's estimates", &R::ln_sd,
-         {.column = "ln_jnd_sd", .title = "sd of its ln"})});
+       F("ln_sd",
+         "standard deviation of ln JND given the same, which takes the group's estimates as certain: JND / exp(1.96 sd) to "
+         "JND exp(1.96 sd) holds the truth of 84 to 88 % of simulated participants, not of 95 %; empty where the answers show "
+         "no difference between people",
+         &R::ln_sd, {.column = "ln_jnd_sd", .title = "sd of its ln"})});
   if (has_choices(protocol))
     fields.push_back(F("bias", "PSE less the standard, given the same; empty where that of the group is", &R::criterion,
                        in_study_unit(protocol, in_unit("bias_", protocol), "bias")));

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "analysis/numerics/decimal_order.h"
 #include "analysis/numerics/special_values.h"
 #include "data/fields/between_fields.h"
 #include "protocols/planning/track_threshold.h"
@@ -125,7 +126,7 @@ Fields<CellResult> cell_fields(const Protocol& protocol) {
       condition_field<R>(protocol),
       F("series", "series", [series](const R& r) { return series(r).name; }),
       F(in_unit("difference_", protocol), "stiffness difference of the series, as asked",
-        [series](const R& r) { return std::abs(series(r).pair[1] - series(r).pair[0]); },
+        [series](const R& r) { return plain_distance(series(r).pair[0], series(r).pair[1]); },
         {.unit = unit, .title = "asked " + unit, .digits = digits}),
       F(in_unit("delivered_difference_", protocol),
         "mean delivered difference |k2 - k1| of the counted trials with different stimuli; empty without one",
@@ -450,7 +451,7 @@ Fields<ThresholdModel> model_fields(const Protocol& protocol) {
         {.column = "deviance"}),
       beside<R>("fit.df",
                 [](const R& r) { return r.quality ? std::optional(r.quality->degrees_of_freedom) : std::nullopt; }),
-      F("fit.p", "its chi-square p", quality(&FitQuality::deviance_p),
+      F("fit.p", "its chi-square p; empty unless fit.status is ok", quality(&FitQuality::deviance_p),
         {.column = "deviance_p", .title = "deviance p", .shown = Shown::p_value})};
   add_group_field(fields, protocol);
   return fields;
@@ -520,6 +521,7 @@ Fields<AdaptiveRow> track_fields(const Protocol& protocol) {
                        [](const R& r) { return r.threshold.high; },
                        {.column = "ci95_high", .unit = unit, .digits = digits}));
   }
+  if (source != ThresholdSource::answers) add_track_fields(fields, [](const R& r) { return r.threshold.tracks; });
   fields.push_back(F("n", told.n, [](const R& r) { return r.threshold.n; }));
   fields.push_back(F("weber", "threshold / reference", &R::weber, {.title = "Weber", .shown = Shown::percent}));
   fields.push_back(

@@ -23,6 +23,16 @@ int slope_step(const Protocol& protocol) noexcept;
 // "jnd_n_per_m": of fields that carry the study's unit in their name.
 std::string in_unit(const std::string& name, const Protocol& protocol);
 
+// How many tracks a threshold rests on. get: of a row a TrackCount.
+template <typename Row, typename Get>
+void add_track_fields(Fields<Row>& fields, Get get) {
+  fields.push_back({"tracks_used", "tracks that the threshold of the condition rests on",
+                    [get](const Row& row) { return get(row).used; }});
+  fields.push_back({"tracks_unfinished",
+                    "tracks with fewer reversals than are averaged; methods.md says what becomes of them",
+                    [get](const Row& row) { return get(row).unfinished; }});
+}
+
 Fields<CellResult> cell_fields(const Protocol& protocol);
 Fields<ThresholdResult> threshold_fields(const Protocol& protocol);
 Fields<GroupResult> group_fields(const Protocol& protocol, SessionKind kind);

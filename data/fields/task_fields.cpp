@@ -101,6 +101,7 @@ Fields<TaskEstimateRow> task_estimate_fields(const Protocol& protocol) {
                        [i](const R& r) { return r.estimates.values[i].high.value_or(kNaN); },
                        {.unit = unit, .shown = Shown::compact}));
   }
+  if (outcomes.back().key == kTrackThreshold) add_track_fields(fields, [](const R& r) { return r.estimates.tracks; });
   fields.push_back(F("median_response_time_s", "median of the times that the participant entered; empty without one",
                      &R::median_response_time_s, {.unit = "s"}));
   fields.push_back(F("mean_trial_s", "mean time of a counted trial; empty without one", &R::mean_trial_s,

@@ -104,9 +104,11 @@ std::string adaptive_paragraph(const Protocol& protocol) {
         "tracks of a condition that have a threshold.";
   else
     text += fmt::format(
-        "the mean of the last {} reversals of each track (Levitt 1971), averaged over the tracks of a condition that "
-        "have so many.",
-        procedure.averaged_reversals / 2 * 2);
+        "the mean of the last {} reversals of each track (Levitt 1971), averaged over the tracks of a condition{}",
+        procedure.averaged_reversals / 2 * 2,
+        protocol.analysis.unfinished_tracks == UnfinishedTracks::use
+            ? "; a track with fewer counts with those that it has, if at least 2."
+            : " that have so many.");
   text += " It moves with the criterion";
   text += procedure.catch_share > 0 ? ": the rate of false alarms on catch trials stands beside it.\n"
                                     : ", of which nothing is known without catch trials.\n";
@@ -114,10 +116,13 @@ std::string adaptive_paragraph(const Protocol& protocol) {
 }
 
 // What the tracks of a task's procedure come to, beside what its answers say together; nothing without such.
-std::string track_sentence(const TaskResults& results) {
+std::string track_sentence(const TaskResults& results, const Protocol& protocol) {
   const TaskOutcome& last = results.outcomes.back();
   return last.key == kTrackThreshold
-             ? fmt::format(" The {} is the {}; tracks without one are left out.", last.title, last.meaning)
+             ? fmt::format(" The {} is the {}; tracks without one are left out{}.", last.title, last.meaning,
+                           protocol.analysis.unfinished_tracks == UnfinishedTracks::use
+                               ? ", and a track with fewer reversals counts with those that it has, if at least 2"
+                               : "")
              : std::string();
 }
 
@@ -388,7 +393,7 @@ struct Sections {
   }
   std::string operator()(const MeasuredTask& measured) const {
     return with_estimates(
-        fmt::format("{}{}\n", task_of(protocol.task.kind).methods(protocol), track_sentence(measured.task)),
+        fmt::format("{}{}\n", task_of(protocol.task.kind).methods(protocol), track_sentence(measured.task, protocol)),
         exclusion_paragraph(protocol, measured.task.exclusions));
   }
   std::string operator()(const ExplorationResults& measured) const {

@@ -92,9 +92,6 @@ constexpr std::array kReferences = {
     Reference{"McCullagh 1980",
               "McCullagh P. (1980). Regression models for ordinal data. Journal of the Royal Statistical Society: "
               "Series B 42(2), 109-142. https://doi.org/10.1111/j.2517-6161.1980.tb01109.x"},
-    Reference{"Miller and Madow 1954",
-              "Miller G. A., Madow W. G. (1954). On the maximum likelihood estimate of the Shannon-Wiener measure of "
-              "information. Technical Report AFCRC-TR-54-75, Air Force Cambridge Research Center, Bedford, MA."},
     Reference{"Morey 2008",
               "Morey R. D. (2008). Confidence intervals from normalized data: A correction to Cousineau (2005). "
               "Tutorials in Quantitative Methods for Psychology 4(2), 61-64. https://doi.org/10.20982/tqmp.04.2.p061"},
@@ -123,7 +120,10 @@ constexpr std::array kReferences = {
         "are involved. Biometrika 34(1-2), 28-35. https://doi.org/10.1093/biomet/34.1-2.28"},
     Reference{"Wilcoxon 1945",
               "Wilcoxon F. (1945). Individual comparisons by ranking methods. Biometrics Bulletin 1(6), 80-83. "
-              "https://doi.org/10.2307/3001968"}};
+              "https://doi.org/10.2307/3001968"},
+    Reference{"Zahl 1977",
+              "Zahl S. (1977). Jackknifing an index of diversity. Ecology 58(4), 907-913. "
+              "https://doi.org/10.2307/1936227"}};
 
 }  // namespace
 

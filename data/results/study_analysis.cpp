@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "analysis/numerics/decimal_order.h"
 #include "analysis/numerics/moments.h"
 #include "analysis/thresholds/jnd_bootstrap.h"
 #include "data/results/threshold_method.h"
@@ -88,7 +89,7 @@ void set_difference(CellResult& cell, const Delivered& delivered, const Protocol
   for (std::size_t i = 0; i < 2; ++i) cell.delivered[i] = mean_of(delivered.stiffness[i], delivered.intervals[i]);
   const bool usable = by == DifferenceSource::delivered && delivered.n > 0;
   cell.difference_source = usable ? DifferenceSource::delivered : DifferenceSource::nominal;
-  cell.difference = usable ? cell.delivered_difference.mean : std::abs(pair[1] - pair[0]);
+  cell.difference = usable ? cell.delivered_difference.mean : plain_distance(pair[0], pair[1]);
 }
 
 DifferenceSource combined(const std::vector<DifferenceSource>& sources) {

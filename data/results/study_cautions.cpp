@@ -96,23 +96,51 @@ void add_threshold_cautions(const StudyAnalysis& analysis, const Protocol& proto
                     not_measured, protocol.conditions.size()));
 }
 
-// A condition's threshold is that of its tracks that have one, which may be the upper or the lower ones only.
-void add_track_cautions(const AdaptiveResults& measured, const Protocol& protocol, std::vector<std::string>& out) {
-  if (threshold_source(protocol) == ThresholdSource::answers) return;
-  int tracks = 0, without = 0, without_here = 0;
-  for (const AdaptiveRow& row : measured.rows) {
-    const bool ok = row.threshold.status == AdaptiveStatus::ok;
-    if (row.track != 0) {
-      ++tracks;
-      without_here += ok ? 0 : 1;
-      continue;
+// What thresholds by a procedure rest on: some of the tracks, perhaps the upper or the lower ones only, and a prior, with
+// which they differ less than what they estimate.
+void add_procedure_cautions(const StudyResults& results, bool tested, const Protocol& protocol,
+                            std::vector<std::string>& out) {
+  constexpr double kLittle = 0.1;
+  TrackCount tracks;
+  int lost = 0, thresholds = 0, of_fewer = 0, estimates = 0, heavy = 0;
+  double most = 0;
+  const auto add = [&](const TrackCount& one, bool ok, double weight) {
+    tracks.all += one.all;
+    tracks.unfinished += one.unfinished;
+    lost += one.used > 0 ? one.all - one.used : 0;
+    thresholds += one.used > 0 ? 1 : 0;
+    of_fewer += one.used > 0 && one.used < one.all ? 1 : 0;
+    estimates += ok ? 1 : 0;
+    heavy += ok && weight > kLittle ? 1 : 0;
+    if (ok) most = std::max(most, weight);
+  };
+  if (const auto* adaptive = std::get_if<AdaptiveResults>(&results.measured))
+    for (const AdaptiveRow& row : adaptive->rows)
+      if (const AdaptiveThreshold& one = row.threshold; row.track == 0)
+        add(one.tracks, one.status == AdaptiveStatus::ok, one.prior_weight);
+  if (const auto* task = std::get_if<MeasuredTask>(&results.measured))
+    for (const TaskEstimateRow& row : task->task.estimates) {
+      const TaskEstimate& one = row.estimates.values[task->task.registered];
+      add(row.estimates.tracks, one.value.has_value(), one.prior_weight);
     }
-    without += ok ? without_here : 0;
-    without_here = 0;
-  }
-  if (without > 0)
-    out.push_back(fmt::format("{} tracks have no threshold; that of their condition rests on its other tracks alone.",
-                              share(without, tracks)));
+  if (tracks.unfinished > 0)
+    out.push_back(
+        fmt::format("{} tracks did not end: they have fewer than {} reversals, and {} (analysis.unfinished_tracks).",
+                    share(tracks.unfinished, tracks.all), protocol.design.procedure->averaged_reversals,
+                    protocol.analysis.unfinished_tracks == UnfinishedTracks::use ? "count with those that they have"
+                                                                                 : "are left out"));
+  if (lost > 0)
+    out.push_back(fmt::format(
+        "{} tracks have no threshold; {} of {} thresholds rest on the other tracks of their condition alone.",
+        share(lost, tracks.all), of_fewer, thresholds));
+  if (tested && heavy > 0)
+    out.push_back(fmt::format(
+        "In {} estimates that the tests compare, the procedure's prior has more than 10 % of the weight (at most {:.0f} %) "
+        "and pulls them towards its mean: conditions and groups differ less in them than they do.{}",
+        share(heavy, estimates), 100 * most,
+        task_of(protocol.task.kind).answer_model(protocol)
+            ? " The hierarchical model (jnd analyze --tests) compares conditions without that pull."
+            : ""));
 }
 
 void add_test_cautions(const OutcomeComparison& outcome, const Protocol& protocol, std::vector<std::string>& out) {
@@ -203,9 +231,10 @@ std::vector<std::string> cautions_of(const StudyResults& results, const Protocol
     add_rate_cautions(constant->analysis, out);
     add_threshold_cautions(constant->analysis, protocol, out);
   }
-  if (const auto* adaptive = std::get_if<AdaptiveResults>(&results.measured))
-    add_track_cautions(*adaptive, protocol, out);
-  if (const OutcomeComparison* outcome = registered(results.comparisons)) add_test_cautions(*outcome, protocol, out);
+  const OutcomeComparison* outcome = registered(results.comparisons);
+  const bool tested = (outcome != nullptr && outcome->refused.empty()) || (results.groups && results.groups->tested());
+  add_procedure_cautions(results, tested, protocol, out);
+  if (outcome != nullptr) add_test_cautions(*outcome, protocol, out);
   if (results.groups && results.groups->tested() && results.groups->test == BetweenTest::mixed_anova &&
       results.groups->comparison.anova.unequal)
     out.emplace_back(

@@ -261,7 +261,7 @@ void StudyFit::add_people(const std::vector<PersonEstimate>& people) {
     if (group.status != SlopeStatus::ok) continue;
     one.status = ShrunkenStatus::ok;
     one.jnd = alike ? group.jnd : jnd * std::exp(found.mean);
-    one.ln_sd = alike ? 0 : found.sd;
+    if (!alike) one.ln_sd = found.sd;
   }
 }
 

@@ -1,6 +1,7 @@
 #include "data/verify/verify_session.h"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 #include "data/log/body_numbers.h"
@@ -252,13 +253,20 @@ void SessionCheck::check_exploration(const Event& event, const Json& body) {
             condition);
 }
 
-void SessionCheck::check_planned(const Event& event, const Trial& trial) {
+void SessionCheck::check_planned(const Event& event, Trial trial) {
   if (!planned_index(event, trial.index)) return;
   // An adaptive level follows from the answers up to here.
   const Trial planned = adaptive_->resolved(planned_.at(trial.index));
   if (adaptive_->over(planned))
     problem(event, "trial {} comes after its track, {} of condition {}, had ended.", trial.index, planned.track,
             planned.condition + 1);
+  // Older sessions have sums that were not rounded.
+  const auto nearly = [&](double a, double b) {
+    return std::abs(a - b) <= 1e-11 * (std::abs(b) + std::abs(planned.standard));
+  };
+  if (nearly(trial.standard, planned.standard)) trial.standard = planned.standard;
+  if (std::equal(trial.stimuli.begin(), trial.stimuli.end(), planned.stimuli.begin(), planned.stimuli.end(), nearly))
+    trial.stimuli = planned.stimuli;
   check_presented(event, trial, planned);
 }
 

@@ -65,7 +65,7 @@ class SessionCheck {
   void check_voided(const Event& event, const nlohmann::ordered_json& body);
   void check_block_ended(const Event& event, const nlohmann::ordered_json& body);
   void check_exploration(const Event& event, const nlohmann::ordered_json& body);
-  void check_planned(const Event& event, const Trial& trial);
+  void check_planned(const Event& event, Trial trial);
   void check_presented(const Event& event, const Trial& trial, const Trial& planned);
   void check_names(const Event& event, const TrialRecord& record);
   void check_settings(const Event& event, const TrialRecord& record);

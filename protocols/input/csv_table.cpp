@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "analysis/numerics/decimal_order.h"
 #include "protocols/input/blank_text.h"
 #include "protocols/input/input_error.h"
 #include "protocols/input/json_reader.h"
@@ -360,7 +361,7 @@ double CsvTable::number(std::size_t row, std::string_view column, NumberRange ra
   if (error == std::errc::result_out_of_range || value < range.min || value > range.max)
     fail(row, column, fmt::format("{} is out of range", written),
          fmt::format("it must be {} to {}", plain(range.min), plain(range.max)));
-  return value;
+  return plain_decimal(value);
 }
 
 int CsvTable::integer(std::size_t row, std::string_view column, int min, int max) const {

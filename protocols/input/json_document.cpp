@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "analysis/numerics/decimal_order.h"
 #include "protocols/input/json_reader.h"
 #include "protocols/input/json_syntax.h"
 #include "protocols/input/json_text.h"
@@ -165,6 +166,11 @@ JsonNode parse_json(std::string_view bytes, const std::string& file) {
   }
   nlohmann::json::sax_parse(bytes.begin(), bytes.end(), &builder);
   return builder.take();
+}
+
+void round_numbers(JsonNode& node) {
+  node.number = plain_decimal(node.number);
+  for (JsonNode& item : node.items) round_numbers(item);
 }
 
 }  // namespace jnd

@@ -30,4 +30,7 @@ struct JsonNode {
 // an object, keys of 256 bytes. A UTF-8 BOM is an error.
 JsonNode parse_json(std::string_view bytes, const std::string& file);
 
+// Makes every number a decimal of 15 digits (decimal_order.h): of what a user writes, not of what a device is limited to.
+void round_numbers(JsonNode& node);
+
 }  // namespace jnd

@@ -52,11 +52,11 @@ std::string range_text(double min, double max, bool above, std::string_view unit
 }
 
 // "; 4 mm are 0.004 m": where the number is in range once it is taken for one of a unit that people use as often.
-std::string in_smaller_unit(double number, const NumberLimits& limits) {
+std::string in_smaller_unit(double number, const NumberLimits& limits, bool whole) {
   const auto fits = [&](double value) {
     return value <= limits.max && (limits.above ? value > limits.min : value >= limits.min);
   };
-  if (limits.unit.empty() && limits.min >= 0 && limits.max == 1 && fits(number / 100))
+  if (!whole && limits.unit.empty() && limits.min >= 0 && limits.max == 1 && fits(number / 100))
     return fmt::format("; {} % are {}", plain(number), plain(number / 100));
   if ((limits.unit == "m" || limits.unit == "s") && fits(number / 1000))
     return fmt::format("; {} m{} are {} {}", plain(number), limits.unit, plain(number / 1000), limits.unit);
@@ -75,10 +75,9 @@ std::uint32_t forbidden_character(std::string_view text, std::size_t at) noexcep
   return 0;
 }
 
-}  // namespace
-
-std::optional<double> number_of(const JsonNode& node, const NumberLimits& limits, std::vector<Diagnostic>& diagnostics,
-                                const std::string& file) {
+// whole: of a whole number, which is no share.
+std::optional<double> read_number(const JsonNode& node, const NumberLimits& limits, bool whole,
+                                  std::vector<Diagnostic>& diagnostics, const std::string& file) {
   const std::string unit = limits.unit.empty() ? "" : fmt::format(" in {}", limits.unit);
   if (node.kind != JsonNode::Kind::number) {
     diagnostics.push_back(diagnostic_at(node, file, fmt::format("must be a number{}, not {}", unit, found(node)),
@@ -87,13 +86,22 @@ std::optional<double> number_of(const JsonNode& node, const NumberLimits& limits
   }
   const bool too_low = limits.above ? node.number <= limits.min : node.number < limits.min;
   if (too_low || node.number > limits.max) {
+    const std::string range = whole && limits.max == limits.min + 1
+                                  ? fmt::format("{} or {}", plain(limits.min), plain(limits.max))
+                                  : range_text(limits.min, limits.max, limits.above, limits.unit);
     diagnostics.push_back(
         diagnostic_at(node, file, fmt::format("{} is out of range", node.text),
-                      fmt::format("must be {}{}", range_text(limits.min, limits.max, limits.above, limits.unit),
-                                  in_smaller_unit(node.number, limits))));
+                      fmt::format("must be {}{}", range, in_smaller_unit(node.number, limits, whole))));
     return std::nullopt;
   }
   return node.number;
+}
+
+}  // namespace
+
+std::optional<double> number_of(const JsonNode& node, const NumberLimits& limits, std::vector<Diagnostic>& diagnostics,
+                                const std::string& file) {
+  return read_number(node, limits, false, diagnostics, file);
 }
 
 std::optional<std::string> text_of(const JsonNode& node, const TextLimits& limits, std::vector<Diagnostic>& diagnostics,
@@ -129,7 +137,7 @@ std::optional<int> integer_of(const JsonNode& node, const IntegerLimits& limits,
     return std::nullopt;
   }
   const NumberLimits range{static_cast<double>(limits.min), static_cast<double>(limits.max), false, limits.unit};
-  const std::optional<double> value = number_of(node, range, diagnostics, file);
+  const std::optional<double> value = read_number(node, range, true, diagnostics, file);
   return value ? std::optional<int>(static_cast<int>(*value)) : std::nullopt;
 }
 

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "analysis/numerics/decimal_order.h"
 #include "analysis/numerics/words.h"
 #include "protocols/tasks/posterior_model.h"
 #include "protocols/tasks/task.h"
@@ -157,7 +158,8 @@ const AdaptiveRun::State& AdaptiveRun::state_of(const Trial& trial) const {
 Trial AdaptiveRun::resolved(Trial planned) const {
   if (planned.track == 0) return planned;
   const double level = state_of(planned).level_on(planned.side);
-  const double comparison = planned.side == 0 ? level : planned.standard + planned.side * level;
+  const double comparison =
+      planned.side == 0 ? plain_decimal(level) : plain_sum(planned.standard, planned.side * level);
   for (double& stimulus : planned.stimuli)
     if (stimulus == set_by_answers(planned.standard)) stimulus = comparison;
   // Only now it is known on which side of the standard it lies.

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "analysis/numerics/decimal_order.h"
 #include "protocols/planning/allotment.h"
 #include "protocols/planning/exploration_assignment.h"
 #include "protocols/planning/order.h"
@@ -233,10 +234,10 @@ void add_slots(const std::vector<Draws::Slot>& slots, Trial trial, TrialList& li
 Series practice_series(const Practice& practice, const Protocol& protocol) {
   Series series = protocol.series[static_cast<std::size_t>(practice.series)];
   if (!practice.difference) return series;
-  series.pair = {protocol.stimulus.reference - *practice.difference, protocol.stimulus.reference};
+  series.pair = {plain_sum(protocol.stimulus.reference, -*practice.difference), protocol.stimulus.reference};
   series.levels.clear();
   for (const int side : protocol.design.procedure->sides)
-    series.levels.push_back(series.standard + side * *practice.difference);
+    series.levels.push_back(plain_sum(series.standard, side * *practice.difference));
   return series;
 }
 

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "analysis/numerics/decimal_order.h"
 #include "analysis/numerics/words.h"
 #include "protocols/planning/allotment.h"
 
@@ -61,7 +62,8 @@ bool has_precision(const Protocol& protocol) noexcept {
 
 CountsDesign counts_design(const Protocol& protocol) {
   CountsDesign design;
-  for (const Series& series : protocol.series) design.differences.push_back(std::abs(series.pair[1] - series.pair[0]));
+  for (const Series& series : protocol.series)
+    design.differences.push_back(plain_distance(series.pair[0], series.pair[1]));
   design.trials = protocol.design.trials_per_cell;
   design.class_sizes = protocol.design.sampling == Sampling::balanced ? ClassSizes::balanced : ClassSizes::random;
   design.correction = correction_from(protocol.analysis.correction).value_or(Correction::loglinear);

@@ -38,9 +38,12 @@ AdaptiveThreshold track_threshold(const AdaptiveTrack& track, const Protocol& pr
   switch (threshold_source(protocol)) {
     case ThresholdSource::reversals:
       return staircase_threshold(track.levels, track.reversals, procedure.averaged_reversals, procedure.clamp);
-    case ThresholdSource::quest:
-      return quest_threshold(track.quest->mean, track.quest->sd, static_cast<int>(track.levels.size()),
-                             procedure.clamp);
+    case ThresholdSource::quest: {
+      AdaptiveThreshold found =
+          quest_threshold(track.quest->mean, track.quest->sd, static_cast<int>(track.levels.size()), procedure.clamp);
+      found.prior_weight = std::pow(track.quest->sd / procedure.quest.t_guess_sd, 2);
+      return found;
+    }
     case ThresholdSource::answers:
       break;
   }
@@ -64,7 +67,8 @@ AdaptiveThreshold condition_threshold(std::span<const AdaptiveTrack> tracks, con
   if (source == ThresholdSource::answers) return by_answers(tracks, protocol);
   std::vector<AdaptiveThreshold> each;
   for (const AdaptiveTrack& track : tracks) each.push_back(track_threshold(track, protocol));
-  return source == ThresholdSource::reversals ? combined_staircases(each) : combined_quests(each);
+  return source == ThresholdSource::reversals ? combined_staircases(each, protocol.analysis.unfinished_tracks)
+                                              : combined_quests(each);
 }
 
 std::vector<TaskOutcome> measured_outcomes(const Protocol& protocol) {
@@ -99,8 +103,10 @@ TaskEstimates measured_estimates(const Protocol& protocol, const Series& series,
   TaskEstimates estimates = task_of(protocol.task.kind).estimate(protocol, series, trials);
   if (!tracks_have_threshold(protocol)) return estimates;
   const AdaptiveThreshold threshold = tracks.empty() ? AdaptiveThreshold{} : condition_threshold(tracks, protocol);
-  estimates.values.push_back(threshold.status == AdaptiveStatus::ok ? TaskEstimate{threshold.threshold}
-                                                                    : TaskEstimate{});
+  estimates.values.push_back(threshold.status == AdaptiveStatus::ok
+                                 ? TaskEstimate{.value = threshold.threshold, .prior_weight = threshold.prior_weight}
+                                 : TaskEstimate{});
+  estimates.tracks = threshold.tracks;
   return estimates;
 }
 

@@ -18,7 +18,8 @@ namespace jnd {
 enum class ThresholdSource { reversals, quest, answers };
 ThresholdSource threshold_source(const Protocol& protocol) noexcept;
 
-// Of one track, and of all tracks of a participant in a condition, of which those count whose own threshold is ok.
+// Of one track, and of all tracks of a participant in a condition, of which those count whose own threshold is ok, and as
+// registered (unfinished_tracks) those that did not end.
 // protocol: with a procedure, of same-different or with a threshold_source() other than answers.
 AdaptiveThreshold track_threshold(const AdaptiveTrack& track, const Protocol& protocol);
 AdaptiveThreshold condition_threshold(std::span<const AdaptiveTrack> tracks, const Protocol& protocol);

@@ -134,6 +134,16 @@ void read_group(const JsonNode& node, JsonReader& reader, ProtocolReading& readi
                  "remove \"post_hoc\", or this");
 }
 
+void read_unfinished_tracks(JsonReader& reader, ProtocolReading& reading) {
+  using Use = UnfinishedTracks;
+  reading.protocol.analysis.unfinished_tracks =
+      reader.one_of_or<Use>("unfinished_tracks", {{"leave_out", Use::leave_out}, {"use", Use::use}}, Use::leave_out);
+  const bool reversals =
+      reading.protocol.design.procedure && threshold_source(reading.protocol) == ThresholdSource::reversals;
+  if (reader.member("unfinished_tracks") != nullptr && !reversals && reading.sound("$.design.procedure"))
+    reader.error("unfinished_tracks", "there is no staircase whose reversals are averaged", "remove it");
+}
+
 // The question of a published rating.
 void look_at_question(JsonReader& reader, const PublishedValue& value, ProtocolReading& reading) {
   if (value.question.empty()) return;
@@ -149,8 +159,8 @@ void look_at_question(JsonReader& reader, const PublishedValue& value, ProtocolR
 
 // Of free interaction: there are ratings alone, so what belongs to d' has no meaning.
 void read_analysis_of_ratings(JsonReader& reader, ProtocolReading& reading) {
-  for (const std::string_view key : {"model", "correction", "jnd", "criterion", "stiffness", "group", "exclude",
-                                     "outcome", "jnd_convention", "lapse"})
+  for (const std::string_view key : {"model", "correction", "jnd", "criterion", "stiffness", "unfinished_tracks",
+                                     "group", "exclude", "outcome", "jnd_convention", "lapse"})
     if (reader.member(key) != nullptr)
       reader.error(key, "has no meaning with the paradigm \"explore\"", "remove it: there are no trials");
   if (const JsonNode* contrasts = reader.array_or_null("contrasts", 0, 190)) read_contrasts(*contrasts, reading);
@@ -186,6 +196,7 @@ void read_analysis_of_task(const JsonNode& node, JsonReader& reader, ProtocolRea
     if (!analysis.lapse_free)
       analysis.lapse = number_of(*lapse, {.min = 0, .max = 0.1}, reading.errors, reading.file).value_or(0);
   }
+  read_unfinished_tracks(reader, reading);
   read_group(node, reader, reading);
   if (const JsonNode* exclude = reader.object_or_null("exclude")) read_exclusions(*exclude, reading);
   if (const JsonNode* contrasts = reader.array_or_null("contrasts", 0, 190)) read_contrasts(*contrasts, reading);
@@ -291,6 +302,7 @@ void read_analysis(const JsonNode& node, ProtocolReading& reading) {
   analysis.common_criterion = reader.one_of_or<bool>("criterion", {{"per-series", false}, {"common", true}}, false);
   check_model_and_method(node, reader, reading);
   analysis.by_delivered = reader.one_of_or<bool>("stiffness", {{"nominal", false}, {"delivered", true}}, false);
+  read_unfinished_tracks(reader, reading);
   read_group(node, reader, reading);
   if (const JsonNode* exclude = reader.object_or_null("exclude")) read_exclusions(*exclude, reading);
   if (const JsonNode* contrasts = reader.array_or_null("contrasts", 0, 190)) read_contrasts(*contrasts, reading);

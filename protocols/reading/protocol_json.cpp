@@ -153,7 +153,8 @@ ProtocolCheck check_protocol(std::string bytes, const std::string& file) {
   ProtocolCheck check;
   Protocol protocol;
   try {
-    const JsonNode root = parse_json(bytes, file);
+    JsonNode root = parse_json(bytes, file);
+    round_numbers(root);
     ProtocolReading reading{root, file, protocol, check.errors, check.warnings};
     read_protocol(reading);
     lint_protocol(reading);

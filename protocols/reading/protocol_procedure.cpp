@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "analysis/numerics/decimal_order.h"
 #include "protocols/planning/adaptive_run.h"
 #include "protocols/reading/protocol_reading.h"
 #include "protocols/tasks/catch_trials.h"
@@ -288,7 +289,7 @@ void read_procedure(const JsonNode& node, ProtocolReading& reading) {
   Protocol& protocol = reading.protocol;
   if (reading.has_pairs() && reading.sound(limits_path(procedure)) && reading.sound("$.stimulus.reference"))
     protocol.series = {{"adaptive",
-                        {protocol.stimulus.reference - procedure.clamp[1], protocol.stimulus.reference},
+                        {plain_sum(protocol.stimulus.reference, -procedure.clamp[1]), protocol.stimulus.reference},
                         protocol.stimulus.reference}};
   protocol.design.procedure = procedure;
   protocol.design.trials_per_cell = task.trials_of_cell(protocol, {});

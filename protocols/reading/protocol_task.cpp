@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "analysis/numerics/decimal_order.h"
 #include "protocols/reading/protocol_reading.h"
 #include "protocols/tasks/task.h"
 
@@ -28,9 +29,9 @@ double level_of(const Levels& levels, double value, double standard) {
     case LevelForm::absolute:
       return value;
     case LevelForm::difference:
-      return standard + value;
+      return plain_sum(standard, value);
     case LevelForm::ratio:
-      return standard * value;
+      return plain_decimal(standard * value);
   }
   return value;
 }
@@ -174,10 +175,8 @@ std::vector<double> read_steps(const JsonNode& node, const NumberLimits& limits,
                   "take a larger step");
     return {};
   }
-  constexpr double kDecimals = 1e9;
   std::vector<double> values;
-  for (int i = 0; i <= static_cast<int>(steps); ++i)
-    values.push_back(std::round((from + i * step) * kDecimals) / kDecimals);
+  for (int i = 0; i <= static_cast<int>(steps); ++i) values.push_back(plain_sum(from, i * step));
   return values;
 }
 
@@ -241,7 +240,7 @@ void read_comparisons(JsonReader& outer, ProtocolReading& reading) {
 std::vector<double> furthest_comparisons(const AdaptiveProcedure& procedure, double standard) {
   if (procedure.sides.front() == 0) return {procedure.clamp.begin(), procedure.clamp.end()};
   std::vector<double> comparisons;
-  for (const int side : procedure.sides) comparisons.push_back(standard + side * procedure.clamp[1]);
+  for (const int side : procedure.sides) comparisons.push_back(plain_sum(standard, side * procedure.clamp[1]));
   return comparisons;
 }
 
@@ -292,8 +291,9 @@ void lint_task(ProtocolReading& reading) {
         if (furthest < limits.min || furthest > limits.max)
           reading.error_at(
               limits_path(*design.procedure),
-              fmt::format("a comparison {} from the standard {} would have {} {}", plain(furthest - series.standard),
-                          plain(series.standard), plain(furthest), limits.unit),
+              fmt::format("a comparison {} from the standard {} would have {} {}",
+                          plain(plain_sum(furthest, -series.standard)), plain(series.standard), plain(furthest),
+                          limits.unit),
               fmt::format("values lie between {} and {} {}", plain(limits.min), plain(limits.max), limits.unit));
       }
     }

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "analysis/numerics/decimal_order.h"
 #include "analysis/numerics/normal.h"
 #include "protocols/reading/protocol_reading.h"
 
@@ -224,7 +225,8 @@ std::set<double> DeviceLinting::stiffnesses() const {
     all.insert(series.levels.begin(), series.levels.end());
   }
   if (protocol.design.procedure)
-    for (const double start : protocol.design.procedure->starts) all.insert(protocol.stimulus.reference - start);
+    for (const double start : protocol.design.procedure->starts)
+      all.insert(plain_sum(protocol.stimulus.reference, -start));
   if (protocol.explore) all.insert(protocol.stimulus.reference);
   return all;
 }

@@ -37,11 +37,14 @@ Answer IdentifyTask::answer(std::span<const Felt> felt, const Trial&, const Prot
 }
 
 std::vector<TaskOutcome> IdentifyTask::outcomes(const Protocol&) const {
-  return {{"information", "information", "bit", "transmitted, from the counts as they are (biased upwards)", 3, true},
-          {"information_corrected", "corrected", "bit", "the same with the correction of Miller and Madow", 3, false},
-          {"classes", "equivalent classes", "", "2 to the power of the information", 3, true},
-          {"correct", "share correct", "", "share of correct answers, exact interval", 3, true},
-          {"total_dprime", "total d'", "", "sum of d' between neighbours, maximum likelihood", 3, false}};
+  return {
+      {"information", "information", "bit", "transmitted, from the counts as they are (biased upwards)", 3, true},
+      {"information_corrected", "corrected", "bit",
+       "information corrected for its bias by the jackknife: N I - (N - 1) times the mean information without one trial",
+       3, false},
+      {"classes", "equivalent classes", "", "2 to the power of the information", 3, true},
+      {"correct", "share correct", "", "share of correct answers, exact interval", 3, true},
+      {"total_dprime", "total d'", "", "sum of d' between neighbours, maximum likelihood", 3, false}};
 }
 
 TaskEstimates IdentifyTask::estimate(const Protocol& protocol, const Series&,
@@ -55,15 +58,16 @@ TaskEstimates IdentifyTask::estimate(const Protocol& protocol, const Series&,
   TaskEstimates estimates;
   estimates.status = found.trials > 0 ? "ok" : "no_trials";
   estimates.values = {
-      task_estimate(found.information_bits), task_estimate(found.miller_madow_bits),
+      task_estimate(found.information_bits), task_estimate(found.jackknife_bits),
       task_estimate(found.equivalent_classes), share_correct(trials),
       found.ml.status == IdentificationStatus::ok ? task_estimate(found.ml.total_dprime) : TaskEstimate{}};
   return estimates;
 }
 
 std::string IdentifyTask::methods(const Protocol&) const {
-  return "Information is that of the confusion matrix of each participant and condition, in bits, as it is and with the "
-         "correction of Miller and Madow 1954; equivalent classes are 2 to its power. The share of correct answers has "
+  return "Information is that of the confusion matrix of each participant and condition, in bits, as it is and "
+         "corrected for its bias by the jackknife, N I - (N - 1) times the mean information without one trial (Zahl "
+         "1977); equivalent classes are 2 to the power of the uncorrected information. The share of correct answers has "
          "the interval of Clopper and Pearson 1934. Total d' is the sum of d' between neighbouring classes under common "
          "criteria, maximum likelihood; it is left out where a class is never confused with another.";
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "analysis/numerics/decimal_order.h"
 #include "analysis/procedures/posterior_defaults.h"
 
 namespace jnd {
@@ -36,7 +37,7 @@ void set_levels(PosteriorModel& model, const AdaptiveProcedure& procedure) {
   }
   for (const int side : procedure.sides) {
     for (const double distance : distances) {
-      c.levels.push_back(c.standard + side * distance);
+      c.levels.push_back(plain_sum(c.standard, side * distance));
       model.distances.push_back(distance);
     }
     if (side > 0) continue;  // those below the standard ascend too
@@ -84,7 +85,7 @@ std::vector<PosteriorAnswer> posterior_answers(PosteriorTask task, std::span<con
     } else {
       // Of one interval the distance of the signal from the noise.
       const double other = trial.stimuli.size() > 1 ? trial.stimuli[1] : trial.standard;
-      answers.push_back({std::abs(trial.stimuli[0] - other), trial.correct() == (trial.stimuli[0] != other)});
+      answers.push_back({plain_distance(trial.stimuli[0], other), trial.correct() == (trial.stimuli[0] != other)});
     }
   }
   return answers;
@@ -96,7 +97,7 @@ PosteriorOfAnswers posterior_of_answers(const PosteriorConfiguration& configurat
   c.utility = PosteriorUtility::variance;  // nothing is chosen
   c.levels = levels_of(answers);
   PosteriorProcedure posterior(c);
-  const double prior_sd = posterior.estimate().sd_ln_s;
+  const PosteriorEstimate prior = posterior.estimate();
   for (const PosteriorAnswer& answer : answers) {
     const auto place = std::lower_bound(c.levels.begin(), c.levels.end(), answer.level) - c.levels.begin();
     posterior.update(static_cast<std::size_t>(place), answer.positive);
@@ -108,10 +109,10 @@ PosteriorOfAnswers posterior_of_answers(const PosteriorConfiguration& configurat
                              estimate.sd_ln_s,
                              posterior.ln_s_quantile(0.025),
                              posterior.ln_s_quantile(0.975),
-                             prior_sd,
+                             prior.sd_ln_s,
                              is_highest_at_end(posterior),
                              posterior.trials()};
-  return {posterior_threshold(of_ln_s), estimate};
+  return {posterior_threshold(of_ln_s), estimate, prior};
 }
 
 PosteriorOfAnswers posterior_of_trials(const Protocol& protocol, const Series& series,
@@ -122,7 +123,7 @@ PosteriorOfAnswers posterior_of_trials(const Protocol& protocol, const Series& s
 
 TaskEstimate posterior_estimate(const AdaptiveThreshold& threshold, double factor) {
   if (threshold.status != AdaptiveStatus::ok) return {};
-  return {factor * threshold.threshold, factor * threshold.low, factor * threshold.high};
+  return {factor * threshold.threshold, factor * threshold.low, factor * threshold.high, threshold.prior_weight};
 }
 
 }  // namespace jnd

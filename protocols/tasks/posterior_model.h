@@ -36,7 +36,7 @@ std::vector<PosteriorAnswer> posterior_answers(PosteriorTask task, std::span<con
 
 struct PosteriorOfAnswers {
   AdaptiveThreshold threshold;
-  PosteriorEstimate estimate;
+  PosteriorEstimate estimate, prior;
 };
 // The levels of the answers need not be those of the configuration, and their order changes rounding only.
 PosteriorOfAnswers posterior_of_answers(const PosteriorConfiguration& configuration,

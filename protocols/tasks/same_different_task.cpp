@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "analysis/numerics/decimal_order.h"
 #include "protocols/input/json_reader.h"
 #include "protocols/tasks/catch_trials.h"
 #include "protocols/tasks/posterior_model.h"
@@ -62,7 +63,7 @@ std::optional<AnswerModel> SameDifferentTask::answer_model(const Protocol& proto
 }
 
 LevelAnswer SameDifferentTask::level_answer(const AnsweredTrial& trial, const TaskSpec&) const {
-  return {std::abs(trial.stimuli[0] - trial.stimuli[1]), trial.said == kClassDifferent};
+  return {plain_distance(trial.stimuli[0], trial.stimuli[1]), trial.said == kClassDifferent};
 }
 
 std::vector<TaskOutcome> SameDifferentTask::outcomes(const Protocol& protocol) const {

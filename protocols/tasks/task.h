@@ -75,10 +75,12 @@ struct TaskOutcome {
 // What became of one outcome. Where there is no value the status says why; an interval's end may be infinite.
 struct TaskEstimate {
   std::optional<double> value{}, low{}, high{};  // low, high: 95 %
+  double prior_weight = 0;                       // as of AdaptiveThreshold
 };
 struct TaskEstimates {
   std::string status = "ok";         // of all of them
   std::vector<TaskEstimate> values;  // in the order of Task::outcomes
+  TrackCount tracks{};               // behind the last of measured_outcomes(), if that is of tracks
 };
 
 // How an answer depends on the level, in one model of everybody's answers (analysis/hierarchical).

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "analysis/numerics/decimal_order.h"
 #include "analysis/numerics/normal.h"
 #include "protocols/input/json_reader.h"
 #include "protocols/tasks/arrangements.h"
@@ -150,9 +151,10 @@ void set_by_posterior(TaskEstimates& estimates, const Protocol& protocol, const 
   const double factor = jnd_of(choice_jnds(TwoIntervalOptions().link, 1), protocol.analysis.jnd_convention);
   const double standard = series.standard, bias = of.estimate.mean_shift;
   const double half_width = kNormal975 * of.estimate.sd_shift;
+  const double weight = std::pow(of.estimate.sd_shift / of.prior.sd_shift, 2);
   const bool ok = of.threshold.status == AdaptiveStatus::ok;
   const auto shift = [&](double from) {
-    return ok ? TaskEstimate{from + bias, from + bias - half_width, from + bias + half_width} : TaskEstimate{};
+    return ok ? TaskEstimate{from + bias, from + bias - half_width, from + bias + half_width, weight} : TaskEstimate{};
   };
   estimates.status = to_string(of.threshold.status);
   estimates.values[0] = posterior_estimate(of.threshold, factor);
@@ -172,7 +174,7 @@ std::optional<AnswerModel> WhichTask::answer_model(const Protocol& protocol) con
 }
 
 LevelAnswer WhichTask::level_answer(const AnsweredTrial& trial, const TaskSpec& spec) const {
-  return {trial.stimuli[static_cast<std::size_t>(comparison_place(trial))] - trial.standard,
+  return {plain_sum(trial.stimuli[static_cast<std::size_t>(comparison_place(trial))], -trial.standard),
           comparison_has_more(trial, spec)};
 }
 
@@ -300,7 +302,7 @@ std::string WhichTask::methods(const Protocol& protocol) const {
       "maximum likelihood, with the lapse rate l {}{}. The JND is {}; the Weber fraction is JND / standard. Intervals are "
       "profile likelihood, 95 %. There is no JND, and an interval that is open on one side, where the status is separated "
       "(the levels are told apart without an error) or flat (the best slope is not positive), and none of either where it "
-      "is all_same (one answer throughout).",
+      "is not_identified (one level) or all_same (one answer throughout).",
       protocol.task.standard_first ? ")"
                                    : " + b o), o = 1 where the comparison came second and -1 where it came first,",
       plan.lapse_free ? "free from 0 to 0.1" : fmt::format("fixed at {:g}", plan.lapse), pse, jnd);

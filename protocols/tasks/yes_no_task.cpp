@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "analysis/detection/yes_no.h"
+#include "analysis/numerics/decimal_order.h"
 #include "analysis/numerics/normal.h"
 #include "analysis/numerics/special_values.h"
 #include "analysis/ratings/rating_roc.h"
@@ -82,14 +83,21 @@ int YesNoTask::target_of(const Intervals& stimuli, double standard, const TaskSp
   return stimuli[0] == standard ? kNo : kYes;
 }
 
-// The criterion is half way between noise and the middle of the signals, of which the participant has an idea.
+// The criterion is half way between noise and the signal that the participant expects: the middle of the levels. Where a
+// procedure sets them, that signal is 20 % away from the noise, or two sigma away from a noise of 0.
 Answer YesNoTask::answer(std::span<const Felt> felt, const Trial& trial, const Protocol& protocol,
                          RandomStream&) const {
-  const std::vector<double>& levels = protocol.series[static_cast<std::size_t>(trial.series)].levels;
-  const double signal = levels.empty()
-                            ? trial.standard * (1 + 0.2 * trial.side)
-                            : std::accumulate(levels.begin(), levels.end(), 0.0) / static_cast<double>(levels.size());
-  const double beyond = (felt[0].value - 0.5 * (trial.standard + signal)) * (signal > trial.standard ? 1 : -1);
+  double away = trial.standard != 0 ? 0.2 * std::abs(trial.standard) : 2 * felt[0].sigma;
+  int side = 1;  // of the noise on which signals lie
+  if (protocol.design.procedure) {
+    side = protocol.design.procedure->sides.front();
+  } else {
+    const std::vector<double>& levels = protocol.series[static_cast<std::size_t>(trial.series)].levels;
+    const double mean = std::accumulate(levels.begin(), levels.end(), 0.0) / static_cast<double>(levels.size());
+    side = mean > trial.standard ? 1 : -1;
+    away = std::abs(mean - trial.standard);
+  }
+  const double beyond = side * (felt[0].value - trial.standard) - 0.5 * away;
   Answer answer;
   answer.said = beyond > 0 ? kYes : kNo;
   answer.sureness = sureness_of(std::abs(beyond), felt[0].sigma, protocol.task);
@@ -99,7 +107,7 @@ Answer YesNoTask::answer(std::span<const Felt> felt, const Trial& trial, const P
 namespace {
 
 LevelAnswer read_yes(const AnsweredTrial& trial) noexcept {
-  return {std::abs(trial.stimuli[0] - trial.standard), trial.said == kYes};
+  return {plain_distance(trial.stimuli[0], trial.standard), trial.said == kYes};
 }
 
 // "Yes" by the distance from the noise; 0 is the noise itself.
@@ -238,8 +246,8 @@ std::string YesNoTask::methods(const Protocol& protocol) const {
   if (protocol.task.sureness_levels > 0)
     text +=
         " The ratings were fitted with normal distributions of unequal variances; d_a and the area A_z have intervals "
-        "of 1.96 standard errors, and there is neither where the ratings of noise and signals do not overlap (separated, "
-        "not_applicable) or bound no variance (unbounded).";
+        "of 1.96 standard errors, and there is neither where the ratings of noise and signals share one category at most "
+        "(separated, not_applicable) or bound no variance (unbounded).";
   return text;
 }
 

@@ -1,6 +1,8 @@
 #include "runner/calc/calc.h"
 
+#include <optional>
 #include <set>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -29,6 +31,20 @@ void say_look_alikes(const CsvTable& table, const std::string& column, const std
     write_marked_message(
         fmt::format("{}: {} look alike, and count as different people: write each person's code in one way",
                     file == "-" ? "standard input" : file, alike));
+}
+
+bool say_falling(std::vector<AnsweredLevel> levels, const std::string& group) {
+  const std::optional<FallingAnswers> falling = falling_answers(std::move(levels));
+  if (!falling) return false;
+  const auto end = [](const FallingAnswers::End& one) {
+    return fmt::format("{} of {} at {:g}{}", one.k, one.n, one.from,
+                       one.to == one.from ? "" : fmt::format(" to {:g}", one.to));
+  };
+  write_marked_message(fmt::format(
+      "{}the counted answers fall with the level, from {} to {}. Perhaps they are coded the other way round: "
+      "count the other answer (n - k in place of k; of single trials another --positive)",
+      group.empty() ? "" : group + ": ", end(falling->low), end(falling->high)));
+  return true;
 }
 
 void add_calc_commands(CommandTree& program) {

@@ -3,7 +3,9 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
+#include "analysis/behaviour/falling_answers.h"
 #include "protocols/input/csv_table.h"
 #include "runner/terminal/command_tree.h"
 
@@ -24,6 +26,10 @@ void add_input(const Command& command, CalcInput& input, const std::string& colu
 // A caution on standard error, where there is such a column, and codes in it look alike: they count as different people.
 // file: "-" is standard input.
 void say_look_alikes(const CsvTable& table, const std::string& column, const std::string& file);
+
+// A caution on standard error if the answers of one group grow rarer with the level (true), so that they are perhaps coded
+// the other way round. group: its name; empty if there is one only.
+bool say_falling(std::vector<AnsweredLevel> levels, const std::string& group);
 
 // What is wrong with a text that is no finite number above 0; empty where it is one.
 std::string not_above_0(const std::string& text);

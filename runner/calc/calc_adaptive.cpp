@@ -1,5 +1,6 @@
 // jnd calc staircase, jnd calc quest: the levels of an adaptive procedure from the answers given.
 #include <array>
+#include <cmath>
 #include <optional>
 #include <vector>
 
@@ -12,6 +13,7 @@
 #include "runner/calc/calc.h"
 #include "runner/terminal/exit_code.h"
 #include "runner/terminal/json_output.h"
+#include "runner/terminal/standard_streams.h"
 #include "runner/terminal/text_table.h"
 
 namespace jnd {
@@ -78,6 +80,8 @@ double recommended(const QuestEstimate& estimate, Placement place) {
   return place == Placement::mean ? estimate.mean : place == Placement::mode ? estimate.mode : estimate.median;
 }
 
+constexpr double kFarLog10 = 2;  // a hundredfold
+
 int quest(const QuestOptions& options) {
   if (const std::string problem = problem_of(options.parameters); !problem.empty()) throw InputError(problem);
   const CsvTable csv = CsvTable::read(options.input.file, {"response"}, {"x"});
@@ -90,10 +94,13 @@ int quest(const QuestOptions& options) {
   TextTable table({"trial", "level", "answer", "mean", "mode", "median", "sd"},
                   {Align::right, Align::right, Align::left, Align::right, Align::right, Align::right, Align::right});
   QuestEstimate estimate = run.estimate();
+  const double half = options.parameters.range / 2;
+  std::optional<double> beyond;  // the first level that no threshold of the grid can have made
   for (std::size_t row = 0; row < csv.rows(); ++row) {
     const bool correct = csv.integer(row, "response", 0, 1) == 1;
     const bool shown = csv.has("x") && !csv.text(row, "x").empty();
     const double level = shown ? csv.number(row, "x") : recommended(estimate, options.place);
+    if (!beyond && std::abs(level - options.parameters.t_guess) > half + kFarLog10) beyond = level;
     run.answer(level, correct);
     estimate = run.estimate();
     out["levels"].push_back(json_number(level));
@@ -105,6 +112,11 @@ int quest(const QuestOptions& options) {
                fmt::format("{:.4f}", estimate.mean), fmt::format("{:.4f}", estimate.mode),
                fmt::format("{:.4f}", estimate.median), fmt::format("{:.4f}", estimate.sd)});
   }
+  if (beyond)
+    write_marked_message(fmt::format(
+        "{}: level {:g} lies far beyond the grid of thresholds, {:g} to {:g}: are the levels log10 of the stimulus?",
+        options.input.file == "-" ? "standard input" : options.input.file, *beyond, options.parameters.t_guess - half,
+        options.parameters.t_guess + half));
   if (options.input.json)
     fmt::print("{}\n", json_line(out));
   else

@@ -192,11 +192,22 @@ Json json_of(const JndEstimate& estimate) {
   return json;
 }
 
-void print_json(const Group& group, const GroupResult& result) {
+bool falls(const Group& group, bool shared_same_trials) {
+  std::vector<AnsweredLevel> levels;
+  for (const SeriesCounts& one : group.series) {
+    levels.push_back({one.difference, one.counts.n_diff, one.counts.hits});
+    if (!shared_same_trials || &one == &group.series.front())
+      levels.push_back({0, one.counts.n_same, one.counts.false_alarms});
+  }
+  return say_falling(levels, fmt::format("{} {}", group.participant, group.condition));
+}
+
+void print_json(const Group& group, const GroupResult& result, bool falling) {
   Json line = {{"participant", group.participant},
                {"condition", group.condition},
                {"reference", group.reference},
-               {"series", group.series.size()}};
+               {"series", group.series.size()},
+               {"falling", falling}};
   for (std::size_t i = 0; i < kJndMethods.size(); ++i) {
     if (!result.estimates[i]) {
       line[std::string(to_string(kJndMethods[i]))] = {
@@ -229,7 +240,8 @@ std::string interval(const JndEstimate& estimate) {
 // The p value to look at: of the replicates where there are any.
 std::string fit_p(const std::optional<FitQuality>& quality) {
   if (!quality) return "-";
-  return jnd_number(std::isnan(quality->deviance_p_bootstrap) ? quality->deviance_p : quality->deviance_p_bootstrap);
+  if (!std::isnan(quality->deviance_p_bootstrap)) return jnd_number(quality->deviance_p_bootstrap);
+  return quality->status == FitStatus::few_trials ? "few_trials" : jnd_number(quality->deviance_p);
 }
 
 std::string cautions_of(const JndEstimate& estimate) {
@@ -273,8 +285,9 @@ int run_jnd(const JndOptions& options) {
       const WorkLine working(fmt::format("{} {}", group.participant, group.condition));
       return result_of(group, options);
     }();
+    const bool falling = falls(group, options.trials.trials);
     if (options.input.json) {
-      print_json(group, result);
+      print_json(group, result, falling);
       continue;
     }
     if (&group != &groups.front()) table.rule();
@@ -293,7 +306,8 @@ int run_jnd(const JndOptions& options) {
                                            "(least_squares); fit p: deviance, by the same number of replicates.",
                                            options.bootstrap)
                              : std::string("Intervals: profile likelihood (ml_*); --bootstrap gives least_squares one. "
-                                           "fit p: deviance against chi-square.")));
+                                           "fit p: deviance against chi-square; few_trials: too few for it, "
+                                           "--bootstrap draws one.")));
   if (options.trials.trials)
     fmt::print("{}\n", dim("The same trials go with every difference of their participant and condition: closed forms "
                            "take them for\neach, ml_*_common once; shared_same_trials: needs same trials of each "

@@ -285,7 +285,8 @@ std::string posterior_text(const PosteriorRun& run, const PosteriorReplay& done)
 int posterior(const PosteriorOptions& options) {
   const bool piped = options.file == "-";
   const std::string name = piped ? "standard input" : options.file;
-  const JsonNode root = parse_json(piped ? read_standard_input() : read_input_file(options.file), name);
+  JsonNode root = parse_json(piped ? read_standard_input() : read_input_file(options.file), name);
+  round_numbers(root);
   const PosteriorRun run = PosteriorReader(root, name).read();
   const PosteriorReplay done = replay(run);
   if (options.json)

@@ -7,6 +7,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -164,6 +165,11 @@ int fit(const FitOptions& options) {
   } catch (const std::invalid_argument& error) {
     throw InputError(fmt::format("{}: {}", options.input.file, error.what()));
   }
+  for (std::size_t i = 0; i < groups.size(); ++i) {
+    std::vector<AnsweredLevel> levels;
+    for (const PsychometricLevel& one : groups[i].levels) levels.push_back({one.x, one.n, one.k});
+    answers[i].falling = say_falling(levels, groups[i].name.value_or(""));
+  }
   if (options.input.json) {
     for (const PsychometricAnswer& answer : answers) fmt::print("{}\n", json_line(psychometric_json(answer)));
     if (comparison) fmt::print("{}\n", json_line(psychometric_json(*comparison)));
@@ -227,6 +233,13 @@ ordered_json parameters_json(const PsychometricFit& fit, Entry entry) {
   return out;
 }
 
+// What the chi-square p of the deviance is.
+constexpr std::string_view kFewTrials = "few_trials";
+std::string_view p_status(const PsychometricFit& fit) {
+  if (std::isnan(fit.deviance)) return "no_information";
+  return fit.degrees_of_freedom < 1 ? "no_degrees_of_freedom" : fit.few_trials ? kFewTrials : "ok";
+}
+
 ordered_json bootstrap_json(const PsychometricBootstrap& bootstrap) {
   return {{"replicates", bootstrap.replicates},
           {"estimates", bootstrap.estimates},
@@ -257,6 +270,7 @@ ordered_json psychometric_json(const PsychometricAnswer& answer) {
   out["deviance"] = json_number(fit.deviance);
   out["degrees_of_freedom"] = fit.degrees_of_freedom;
   out["deviance_p"] = json_number(fit.deviance_p);
+  out["deviance_p_status"] = p_status(fit);
   out["pse"] = json_number(fit.pse.value);
   out["jnd"] = json_number(fit.jnd.value);
   out["slope"] = json_number(fit.slope.value);
@@ -275,6 +289,7 @@ ordered_json psychometric_json(const PsychometricAnswer& answer) {
   out["interval"] = answer.bootstrap ? "bootstrap" : "profile";
   out["confidence"] = intervals.confidence;
   if (answer.bootstrap) out["bootstrap"] = bootstrap_json(*answer.bootstrap);
+  out["falling"] = answer.falling;
   out["levels"] = fit.levels;
   out["trials"] = fit.trials;
   out["status"] = to_string(fit.status);
@@ -355,6 +370,13 @@ std::string meanings_text(const std::vector<PsychometricAnswer>& answers) {
         text += warn(fmt::format("{}: {}.", to_string(status), meaning)) + "\n";
         break;
       }
+  for (const PsychometricAnswer& answer : answers)
+    if (p_status(answer.fit) == kFewTrials)
+      return text +
+             warn(
+                 "few_trials: the chi-square p of the deviance needs 5 trials per level on average, and one of "
+                 "each\nanswer; --interval bootstrap draws a p without it.") +
+             "\n";
   return text;
 }
 
@@ -380,7 +402,8 @@ std::string psychometric_text(const std::vector<PsychometricAnswer>& answers) {
     const std::string group = printable(answer.group.value_or("all"));
     thresholds.add({group, fit_number(fit.pse.value), fit_interval(answer.intervals.pse), fit_number(fit.jnd.value),
                     fit_interval(answer.intervals.jnd), fit_number(fit.slope.value), fit_number(fit.deviance),
-                    std::to_string(fit.degrees_of_freedom), p_text(fit.deviance_p),
+                    std::to_string(fit.degrees_of_freedom),
+                    p_status(fit) == kFewTrials ? std::string(kFewTrials) : p_text(fit.deviance_p),
                     answer.bootstrap ? p_text(answer.bootstrap->deviance_p) : "", std::string(to_string(fit.status))});
     parameters.add({group, with_error(fit.location), fit_interval(answer.intervals.location), with_error(fit.second),
                     fit_interval(answer.intervals.second),

@@ -17,6 +17,7 @@ struct PsychometricAnswer {
   std::optional<std::string> participant, condition;  // of trials
   PsychometricFit fit;
   PsychometricIntervals intervals;
+  bool falling = false;                            // the counted answer is rarer at higher levels (falling_answers)
   std::optional<PsychometricBootstrap> bootstrap;  // where the intervals come from it
 };
 

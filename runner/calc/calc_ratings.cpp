@@ -189,7 +189,7 @@ ordered_json ratings_json(const NamedRatings& named) {
 }
 
 constexpr std::pair<RatingStatus, const char*> kRatingMeanings[] = {
-    {RatingStatus::separated, "the ratings of noise and signal do not overlap: d' is infinite"},
+    {RatingStatus::separated, "noise and signal share one category at most: d' is infinite"},
     {RatingStatus::unbounded,
      "some of the ratings say nothing about sigma: equal variances, or the trapezoids, remain"},
     {RatingStatus::not_applicable, "unequal variances need three categories in use, and classes that overlap"},
@@ -408,6 +408,7 @@ ordered_json identification_json(const NamedIdentification& named, const std::ve
   out["information_bits"] = json_number(found.information_bits);
   out["stimulus_entropy_bits"] = json_number(found.stimulus_entropy_bits);
   out["response_entropy_bits"] = json_number(found.response_entropy_bits);
+  out["jackknife_bits"] = json_number(found.jackknife_bits);
   out["miller_madow_bits"] = json_number(found.miller_madow_bits);
   out["table_corrected_bits"] = json_number(found.table_corrected_bits);
   out["relative"] = json_number(found.relative);
@@ -426,18 +427,19 @@ constexpr std::pair<IdentificationStatus, const char*> kIdentificationMeanings[]
     {IdentificationStatus::missing, "no trial"}};
 
 std::string identification_text(const std::vector<NamedIdentification>& rows, const std::vector<std::string>& classes) {
-  TextTable information({"group", "trials", "correct", "bits", "Miller-Madow", "table corrected", "of the stimuli's",
-                         "equivalent classes", "status"},
+  TextTable information({"group", "trials", "correct", "bits", "jackknife", "Miller-Madow", "table corrected",
+                         "of the stimuli's", "equivalent classes", "status"},
                         {Align::left, Align::right, Align::right, Align::right, Align::right, Align::right,
-                         Align::right, Align::right, Align::left});
+                         Align::right, Align::right, Align::right, Align::left});
   TextTable steps({"group", "from", "to", "d'", "log-linear"},
                   {Align::left, Align::left, Align::left, Align::right, Align::right});
   std::vector<IdentificationStatus> statuses;
   for (const auto& [group, found] : rows) {
     information.add({name_text(group), std::to_string(found.trials), percent_text(found.proportion_correct),
-                     rating_number(found.information_bits), rating_number(found.miller_madow_bits),
-                     rating_number(found.table_corrected_bits), percent_text(found.relative),
-                     rating_number(found.equivalent_classes), std::string(to_string(found.ml.status))});
+                     rating_number(found.information_bits), rating_number(found.jackknife_bits),
+                     rating_number(found.miller_madow_bits), rating_number(found.table_corrected_bits),
+                     percent_text(found.relative), rating_number(found.equivalent_classes),
+                     std::string(to_string(found.ml.status))});
     for (std::size_t i = 0; i + 1 < classes.size(); ++i)
       steps.add({name_text(group), printable(classes[i]), printable(classes[i + 1]),
                  with_rating_error({found.ml.adjacent[i].dprime, found.ml.adjacent[i].se}),
@@ -447,7 +449,7 @@ std::string identification_text(const std::vector<NamedIdentification>& rows, co
   std::string text = bold("information that responses transmit") + "\n" + information.text();
   if (classes.size() > 1) text += "\n" + bold("d' between neighbours") + "\n" + steps.text();
   return text +
-         dim("Bits of the counts as they are, and under two corrections of their bias. d': maximum likelihood, criteria "
+         dim("Bits of the counts as they are, and under three corrections of their bias. d': maximum likelihood, criteria "
              "common\nto all stimuli, ± standard error; beside it that of log-linear rates.") +
          "\n" + meanings_of(kIdentificationMeanings, statuses);
 }

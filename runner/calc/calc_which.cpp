@@ -126,6 +126,9 @@ TwoIntervalAnswer answer_of(const ChoiceGroup& group, bool pse_is_standard) {
   answer.intervals = two_interval_intervals(group.rows, answer.options);
   if (pse_is_standard) answer.intervals.pse.reset();
   answer.constants = log_binomial_constants(group.rows);
+  std::vector<AnsweredLevel> levels;
+  for (const ChoiceRow& row : group.rows) levels.push_back({row.level, row.n, row.chosen});
+  answer.falling = say_falling(levels, answer.group.value_or(""));
   if (answer.options.order_term) answer.order = test_order_term(group.rows, answer.options, answer.fit);
   return answer;
 }
@@ -198,6 +201,7 @@ ordered_json two_interval_json(const TwoIntervalAnswer& answer) {
   out["standard"] = answer.standard;
   out["link"] = word_of(kChoiceLinkWords, answer.options.link);
   out["status"] = word_of(kTwoIntervalStatusWords, fit.status);
+  out["falling"] = answer.falling;
   out["trials"] = fit.trials;
   out["loglik"] = known(fit.log_likelihood);
   out["deviance"] = known(fit.deviance);
@@ -245,6 +249,7 @@ std::string which_text(const std::optional<double>& value) {
 std::string which_meanings(const std::vector<TwoIntervalAnswer>& answers) {
   static constexpr std::pair<TwoIntervalStatus, const char*> kMeanings[] = {
       {TwoIntervalStatus::separated, "a step fits best: the JND is below what these levels can show, the PSE a range"},
+      {TwoIntervalStatus::not_identified, "one level only: neither PSE nor JND; add levels"},
       {TwoIntervalStatus::flat, "no slope above 0 fits better than one rate for all levels: there is no PSE"},
       {TwoIntervalStatus::all_same, "one and the same answer throughout: neither PSE nor JND"},
       {TwoIntervalStatus::missing, "no trials"}};

@@ -19,6 +19,7 @@ struct TwoIntervalAnswer {
   TwoIntervalIntervals intervals;
   double constants = 0;                // ln choose(n, k) over the rows
   std::optional<OrderTermTest> order;  // where an order was given
+  bool falling = false;                // the comparison is chosen less often at higher levels (falling_answers)
 };
 
 nlohmann::ordered_json two_interval_json(const TwoIntervalAnswer& answer);

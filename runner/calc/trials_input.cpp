@@ -1,7 +1,6 @@
 #include "runner/calc/trials_input.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <iterator>
 #include <map>
@@ -11,9 +10,11 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "analysis/numerics/decimal_order.h"
 #include "protocols/input/csv_table.h"
 #include "protocols/input/input_error.h"
 #include "protocols/input/json_reader.h"
+#include "protocols/input/number_from.h"
 #include "runner/calc/calc.h"
 #include "runner/terminal/exit_code.h"
 #include "runner/terminal/standard_streams.h"
@@ -21,13 +22,6 @@
 namespace jnd {
 
 namespace {
-
-std::optional<double> number_in(const std::string& text) {
-  double value = 0;
-  const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || stop != text.data() + text.size() || !std::isfinite(value)) return std::nullopt;
-  return value;
-}
 
 // The two answers of a table, in order of first appearance.
 class TwoAnswers {
@@ -101,7 +95,7 @@ std::vector<std::string> wanted_columns(const TrialOptions& options) {
   for (const std::string& more :
        {options.participant, options.condition, options.order, options.sureness, options.block})
     if (!more.empty()) columns.push_back(more);
-  if (!options.standard.empty() && !number_in(options.standard)) columns.push_back(options.standard);
+  if (!options.standard.empty() && !number_in_option(options.standard)) columns.push_back(options.standard);
   for (std::size_t i = 0; i < columns.size(); ++i)
     if (std::find(columns.begin(), columns.begin() + static_cast<std::ptrdiff_t>(i), columns[i]) !=
         columns.begin() + static_cast<std::ptrdiff_t>(i))
@@ -124,7 +118,7 @@ TrialTable trials_of(const CsvTable& table, const std::string& file, const Trial
   TrialTable out;
   out.file = file;
   const std::optional<std::string> counted = counted_word(out.file, answers, options, use);
-  const std::optional<double> one_standard = number_in(options.standard);
+  const std::optional<double> one_standard = number_in_option(options.standard);
   std::map<std::tuple<std::string_view, std::string_view, double>, std::size_t> places;
   for (std::size_t row = 0; row < table.rows(); ++row) {
     if (table.text(row, options.answer) == options.no_answer) continue;
@@ -139,7 +133,7 @@ TrialTable trials_of(const CsvTable& table, const std::string& file, const Trial
     CsvTrial trial;
     trial.unit = place->second;
     trial.level = table.number(row, options.level);
-    if (use.differences) trial.level -= unit.standard.value_or(0);
+    if (use.differences) trial.level = plain_sum(trial.level, -unit.standard.value_or(0));
     if (!options.order.empty()) trial.order = order_at(table, row, options.order);
     const std::string_view answer = table.text(row, options.answer);
     trial.positive = counted ? answer == *counted : (answer == "second") == (trial.order == 1);
@@ -237,7 +231,7 @@ TrialTable trials_of_export(const CsvTable& table, const std::string& file, cons
     CsvTrial trial;
     trial.unit = place->second;
     if (own.same_different) {
-      trial.level = std::abs(second - first);
+      trial.level = plain_distance(first, second);
       trial.positive = answer == "different";
       read_sureness(trial, table, row, options);
     } else {
@@ -245,7 +239,7 @@ TrialTable trials_of_export(const CsvTable& table, const std::string& file, cons
       const bool comparison_second =
           table.has("standard_interval") ? table.integer(row, "standard_interval", 1, 2) == 1 : first == *unit.standard;
       trial.level = comparison_second ? second : first;
-      if (use.differences) trial.level -= *unit.standard;
+      if (use.differences) trial.level = plain_sum(trial.level, -*unit.standard);
       trial.order = use.with_order ? (comparison_second ? 1 : -1) : 0;
       trial.positive = answer == (comparison_second ? own.more_second : own.more_first);
     }
@@ -325,10 +319,8 @@ std::string TrialUnit::name() const {
 }
 
 std::optional<double> number_in_option(const std::string& text) {
-  double value = 0;
-  const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || stop != text.data() + text.size() || !std::isfinite(value)) return std::nullopt;
-  return value;
+  const std::optional<double> value = number_from<double>(text);
+  return value && std::isfinite(*value) ? std::optional(plain_decimal(*value)) : std::nullopt;
 }
 
 bool names_nothing(const TrialOptions& options) noexcept {

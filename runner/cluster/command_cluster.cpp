@@ -207,11 +207,10 @@ void add_cluster(CommandTree& tree) {
   command.add_option("--account", options.account, "that the time is charged to");
   command.add_option("--memory", options.memory, "of one shard, such as 2G");
   command.add_option("--at-once", options.at_once, "how many shards run at a time at most").range(1, 1000);
-  command
-      .add_option("--sbatch", options.sbatch, "another option of sbatch, such as --sbatch=--qos=long; may be repeated")
-      .one_at_a_time();
-  command.add_option("--setup", options.setup, "a line of shell before the program: 'module load gcc'; may be repeated")
-      .one_at_a_time();
+  command.add_option("--sbatch", options.sbatch,
+                     "another option of sbatch, such as --sbatch=--qos=long; may be repeated");
+  command.add_option("--setup", options.setup,
+                     "a line of shell before the program: 'module load gcc'; may be repeated");
   command.add_option("--program", options.program, "the jnd to run, where the cluster has another one than this");
 }
 

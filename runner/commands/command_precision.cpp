@@ -76,8 +76,7 @@ void add_precision_options(const Command& plan, PrecisionOptions& options) {
       plan.add_flag("--precision", options.asked, "how well this design will measure JNDs, instead of the order");
   plan.add_option("--jnd", options.jnds,
                   "true JND to plan for: a number for all conditions, or NAME=NUMBER for one (default: the published "
-                  "values, else the Weber fractions of the simulated participants)")
-      .one_at_a_time();
+                  "values, else the Weber fractions of the simulated participants)");
   plan.add_option("--trials", options.trials, "trials per cell (default: the protocol's); with --power several: 12,24")
       .range(1, kMostTrials)
       .delimiter(',');

@@ -64,10 +64,6 @@ std::string row_title(const PowerDesign& design, Axis axis) {
   return text;
 }
 
-std::string share_words(const Simulated& share) {
-  return fmt::format("{:.1f} ± {:.1f} %", 100 * share.value, 100 * share.error);
-}
-
 // One analysis: its points from the left, with bars, joined. The analyses stand a little beside one another.
 void draw_curve(Svg& svg, const Scale& x, const Scale& y, std::vector<const ContrastSummary*> rows, Axis axis,
                 int analysis, int analyses) {
@@ -82,13 +78,11 @@ void draw_curve(Svg& svg, const Scale& x, const Scale& y, std::vector<const Cont
   if (corners.size() > 1) svg.polyline(corners, condition_line(analysis));
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const Simulated& power = rows[i]->power;
-    const double reach = 1.96 * power.error;
     svg.begin("point", fmt::format("{}, {} participants{}, effect {:g}: {}",
                                    word_of(kPowerAnalysisWords, rows[i]->analysis), rows[i]->design.participants,
                                    rows[i]->design.trials > 0 ? fmt::format(", {} trials", rows[i]->design.trials) : "",
-                                   rows[i]->design.effect, share_words(power)));
-    svg.line(corners[i].first, y.clipped(power.value - reach), corners[i].first, y.clipped(power.value + reach),
-             condition_line(analysis));
+                                   rows[i]->design.effect, share_text(power)));
+    svg.line(corners[i].first, y.clipped(power.low), corners[i].first, y.clipped(power.high), condition_line(analysis));
     draw_marker(svg, analysis, corners[i].first, corners[i].second, 4, condition_fill(analysis));
     svg.end();
   }

@@ -7,7 +7,7 @@
 namespace jnd {
 
 // A column for each contrast; a row for each of the designs that differ in more than what stands on the x axis, which is
-// the longest list of the question: participants, trials or effects. Bars are 95 % by Monte-Carlo error; the dashed line
+// the longest list of the question: participants, trials or effects. Bars are exact 95 % intervals; the dashed line
 // is the wanted power.
 Svg power_figure(const PowerResult& result);
 

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "analysis/numerics/exact_proportion.h"
 #include "protocols/planning/allotment.h"
 
 namespace jnd {
@@ -15,8 +16,9 @@ namespace {
 
 Simulated share(std::int64_t count, std::int64_t of) {
   if (of == 0) return {};
-  const double p = static_cast<double>(count) / static_cast<double>(of);
-  return {p, std::sqrt(p * (1 - p) / static_cast<double>(of))};
+  const ExactProportion found = exact_proportion(static_cast<int>(count), static_cast<int>(of));
+  const double p = found.share;
+  return {p, p > 0 && p < 1 ? std::sqrt(p * (1 - p) / static_cast<double>(of)) : kNaN, found.ci_low, found.ci_high};
 }
 
 // The error of a median is that of the ranks about it.
@@ -25,7 +27,7 @@ Simulated median_of(const LogHistogram& histogram, std::int64_t n) {
   const double reach = 0.5 / std::sqrt(static_cast<double>(n));
   const double low = histogram.quantile(std::max(0.0, 0.5 - reach)),
                high = histogram.quantile(std::min(1.0, 0.5 + reach));
-  return {histogram.quantile(0.5), std::isfinite(high) ? 0.5 * (high - low) : kNaN};
+  return {.value = histogram.quantile(0.5), .error = std::isfinite(high) && n > 1 ? 0.5 * (high - low) : kNaN};
 }
 
 EstimateSummary summary_of(const EstimateTally& tally, double truth, std::int64_t studies) {
@@ -36,11 +38,11 @@ EstimateSummary summary_of(const EstimateTally& tally, double truth, std::int64_
   if (tally.defined == 0) return summary;
   const auto n = static_cast<double>(tally.defined);
   const double mean = tally.errors.value() / n, square = tally.squares.value() / n, fourth = tally.fourths.value() / n;
-  summary.bias = {mean, std::sqrt(std::max(0.0, square - mean * mean) / n)};
+  summary.bias = {.value = mean, .error = n > 1 ? std::sqrt(std::max(0.0, square - mean * mean) / n) : kNaN};
   if (std::isnan(truth)) return summary;
   summary.coverage = share(tally.covered, tally.intervals);
   summary.rmse.value = std::sqrt(square);
-  if (square > 0)
+  if (square > 0 && n > 1)
     summary.rmse.error = 0.5 * std::sqrt(std::max(0.0, fourth - square * square) / n) / summary.rmse.value;
   return summary;
 }
@@ -68,6 +70,11 @@ void sort_by_design(std::vector<Summary>& all, std::size_t Summary::*place) {
 }
 
 }  // namespace
+
+std::string share_text(const Simulated& share) {
+  if (std::isnan(share.value)) return "-";
+  return fmt::format("{:.1f} % ({:.1f} to {:.1f})", 100 * share.value, 100 * share.low, 100 * share.high);
+}
 
 std::vector<ContrastSummary> contrast_summaries(const PowerResult& result) {
   std::vector<ContrastSummary> all;
@@ -129,7 +136,7 @@ std::vector<SmallestDesign> smallest_designs(const PowerResult& result) {
         };
         for (const ContrastSummary& row : rows)
           if (row.design.effect == effect && row.contrast == i && row.analysis == analysis &&
-              row.power.value >= result.question.wanted && (!smallest.design || size(row) < size(*smallest.design)))
+              row.power.low >= result.question.wanted && (!smallest.design || size(row) < size(*smallest.design)))
             smallest.design = row;
         all.push_back(smallest);
       }

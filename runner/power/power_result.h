@@ -1,4 +1,4 @@
-// The numbers of a power study, each with its Monte-Carlo error.
+// The numbers of a power study, each with its Monte-Carlo error or interval.
 #pragma once
 
 #include <cstddef>
@@ -18,10 +18,12 @@ struct PowerResult {
   PowerTally tally;
 };
 
-// A number and its standard error over simulated studies. NaN: there is none.
+// A number and its standard error over simulated studies; of a share also the exact 95 % interval (Clopper and Pearson).
+// NaN: there is none. A share of none or of all studies has no error.
 struct Simulated {
-  double value = kNaN, error = kNaN;
+  double value = kNaN, error = kNaN, low = kNaN, high = kNaN;
 };
+std::string share_text(const Simulated& share);  // "83.2 % (80.7 to 85.5)"
 
 struct EstimateSummary {
   double truth = kNaN;   // of ln JND, or on the contrast's scale; NaN: not known
@@ -62,7 +64,8 @@ std::vector<ContrastSummary> contrast_summaries(const PowerResult& result);
 std::vector<GroupSummary> group_summaries(const PowerResult& result);
 std::vector<StudySummary> study_summaries(const PowerResult& result);
 
-// The design with the fewest trials in all (then participants) whose power in a contrast is the wanted one.
+// The design with the fewest trials in all (then participants) whose power in a contrast is the wanted one, even at the
+// low end of its interval.
 struct SmallestDesign {
   double effect = 1;
   std::size_t contrast = 0;

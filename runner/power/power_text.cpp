@@ -25,12 +25,6 @@ std::string word(PowerAnalysis analysis) {
   return std::string(word_of(kPowerAnalysisWords, analysis));
 }
 
-// "83.2 ± 1.2 %".
-std::string share_text(const Simulated& share) {
-  if (std::isnan(share.value)) return "-";
-  return fmt::format("{:.1f} ± {:.1f} %", 100 * share.value, 100 * share.error);
-}
-
 std::string amount_text(double value) {
   if (std::isnan(value)) return "-";
   return std::isinf(value) ? "inf" : fmt::format("{:.3g}", value);
@@ -202,7 +196,8 @@ std::string smallest_text(const PowerResult& result) {
                one.design ? trials_text(one.design->design) : "", one.design ? share_text(one.design->power) : ""});
   return fmt::format(
       "\n{}\n{}",
-      bold(fmt::format("The smallest of these designs with a power of {:.0f} %", 100 * result.question.wanted)),
+      bold(fmt::format("The smallest of these designs with a power of {:.0f} %, even at the low end of its interval",
+                       100 * result.question.wanted)),
       table.text());
 }
 
@@ -246,7 +241,8 @@ std::string power_text(const PowerResult& result) {
                   result.question.seed, people_text(result));
   text += analyses_text(result);
   text += fmt::format("\n{}\n",
-                      bold(fmt::format("Power at {:g}, ± its Monte-Carlo error{}", result.protocol.analysis.tests.alpha,
+                      bold(fmt::format("Power at {:g}, and what the number of studies leaves open (95 %){}",
+                                       result.protocol.analysis.tests.alpha,
                                        any_effect(result.question) ? "; of effect 0 the rate of false findings" : "")));
   text += power_table(result, rows);
   text += smallest_text(result);
@@ -256,6 +252,7 @@ std::string power_text(const PowerResult& result) {
   text += fmt::format("\n{}\n{}", bold("Studies with something undefined, and with findings"), studies_table(result));
   text +=
       "trials: of a cell. effect: how far apart the true JNDs are, 0 not at all, 1 as planned.\n"
+      "In parentheses: exact 95 % interval of a share; more studies narrow it. ±: Monte-Carlo error.\n"
       "Every design has the same people, as far as they go (common random numbers).\n";
   return text;
 }
@@ -263,7 +260,9 @@ std::string power_text(const PowerResult& result) {
 namespace {
 
 ordered_json simulated_json(const Simulated& number) {
-  return {{"value", json_number(number.value)}, {"mc_error", json_number(number.error)}};
+  ordered_json out = {{"value", json_number(number.value)}, {"mc_error", json_number(number.error)}};
+  if (!std::isnan(number.low)) out["ci95"] = {number.low, number.high};
+  return out;
 }
 
 ordered_json design_json(const PowerDesign& design) {
@@ -330,17 +329,17 @@ ordered_json power_json(const PowerResult& result) {
 }
 
 std::string power_csv(const PowerResult& result) {
-  std::string text =
-      csv_line({"participants", "trials", "effect", "analysis", "of", "name", "number", "value", "mc_error"});
+  std::string text = csv_line({"participants", "trials", "effect", "analysis", "of", "name", "number", "value",
+                               "mc_error", "ci95_low", "ci95_high"});
   const auto add = [&](const PowerDesign& design, PowerAnalysis analysis, const char* of, const std::string& name,
                        const char* number, const Simulated& value) {
     text += csv_line({csv_number(design.participants), design.trials > 0 ? csv_number(design.trials) : "",
                       csv_number(design.effect), word(analysis), of, csv_text(name), number, csv_number(value.value),
-                      csv_number(value.error)});
+                      csv_number(value.error), csv_number(value.low), csv_number(value.high)});
   };
   const auto add_all = [&](const auto& row, const char* of, const std::string& name) {
     const EstimateSummary& estimate = row.estimate;
-    add(row.design, row.analysis, of, name, "truth", {estimate.truth, kNaN});
+    add(row.design, row.analysis, of, name, "truth", {.value = estimate.truth});
     add(row.design, row.analysis, of, name, std::isnan(estimate.truth) ? "mean" : "bias", estimate.bias);
     add(row.design, row.analysis, of, name, "rmse", estimate.rmse);
     add(row.design, row.analysis, of, name, "half_width", estimate.half_width);
@@ -349,7 +348,7 @@ std::string power_csv(const PowerResult& result) {
   };
   for (const ContrastSummary& row : contrast_summaries(result)) {
     const std::string name = contrast_name(result, row.contrast);
-    add(row.design, row.analysis, "contrast", name, "true_ratio", {row.ratio, kNaN});
+    add(row.design, row.analysis, "contrast", name, "true_ratio", {.value = row.ratio});
     add(row.design, row.analysis, "contrast", name, "power", row.power);
     add(row.design, row.analysis, "contrast", name, "untested", row.untested);
     add_all(row, "contrast", name);
@@ -372,7 +371,6 @@ std::string ademp_text(const PowerResult& result) {
   while (!methods.empty() && methods.back() == '\n') methods.pop_back();
   for (std::size_t at = methods.find('\n'); at != std::string::npos; at = methods.find('\n', at))
     methods.replace(at, 1, "<br>");
-  double worst = 0.5 / std::sqrt(static_cast<double>(result.tally.studies));
   const std::string trials = question.trials.empty()
                                  ? "as many as the procedure asks"
                                  : fmt::format("{} trials of a cell", fmt::join(question.trials, ", "));
@@ -393,8 +391,8 @@ std::string ademp_text(const PowerResult& result) {
   text += fmt::format("| **Methods** | {} |\n", methods);
   text += fmt::format(
       "| **Performance measures** | Power (share of all studies with p below {:g}; a study without a test counts as not significant), bias and root mean square error, coverage and median "
-      "half width of 95 % intervals, share of studies with undefined values; each with its Monte-Carlo error (of a share at most {:.1f} %) |\n",
-      result.protocol.analysis.tests.alpha, 100 * worst);
+      "half width of 95 % intervals, share of studies with undefined values; shares with their exact 95 % interval, the others with their Monte-Carlo error |\n",
+      result.protocol.analysis.tests.alpha);
   text += fmt::format("\njnd {}, protocol {} ({})\n", kVersion, result.protocol.name, result.protocol.sha256);
   return text;
 }

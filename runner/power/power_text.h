@@ -15,7 +15,7 @@ namespace jnd {
 
 std::string power_text(const PowerResult& result);  // lines ended by a newline
 nlohmann::ordered_json power_json(const PowerResult& result);
-// A row for each number: design, analysis, what it is of, which number, its value and Monte-Carlo error.
+// A row for each number: design, analysis, what it is of, which number, its value, Monte-Carlo error and interval.
 std::string power_csv(const PowerResult& result);
 std::string ademp_text(const PowerResult& result);  // Markdown
 

@@ -225,9 +225,9 @@ ResultTable hierarchical_people_table(const StudyResults& results, const Protoco
   table = of(std::move(table), columns, people);
   for (std::size_t i = table.rows.size(); i-- > 1;)  // a participant is named once
     if (table.rows[i].front() == table.rows[i - 1].front()) table.rows[i].front().clear();
-  if (model.alike() && model.participants > 1 &&
+  if (model.participants > 1 &&
       std::any_of(people.begin(), people.end(), [](const Row& row) { return row.status == ShrunkenStatus::ok; }))
-    table.footnotes.emplace_back(kPeopleAlike);
+    table.footnotes.emplace_back(model.alike() ? kPeopleAlike : kPersonRange);
   table.footnotes.push_back(hierarchical_assumptions(model));
   return table;
 }
@@ -256,6 +256,7 @@ Json hierarchical_json(const StudyHierarchical& model, const Protocol& protocol,
                                         "alone_status", "jnd", "ln_sd", "status"},
                                        2, choice ? Keys{"bias"} : Keys{"criterion"}))
                       : Json::array();
+  out["people_note"] = kPersonRange;
   out["check"] = nullptr;
   if (model.check) {
     out["check"] = predictive_summary_json(*model.check);

@@ -26,6 +26,11 @@ std::string condition_title(const Condition& condition) {
                                                                       : condition.name + ": " + condition.label;
 }
 
+std::string tracks_words(const TrackCount& tracks) {
+  if (tracks.used > 0 && tracks.used < tracks.all) return fmt::format("{} of {} tracks used", tracks.used, tracks.all);
+  return tracks.unfinished > 0 ? fmt::format("{} of {} tracks unfinished", tracks.unfinished, tracks.all) : "";
+}
+
 std::string joined(const std::string& a, const std::string& b) {
   return a.empty() || b.empty() ? a + b : a + ", " + b;
 }

@@ -21,6 +21,7 @@ std::string_view unit_of(const Protocol& protocol) noexcept;
 const std::string& condition_text(const Protocol& protocol, int place);  // its name
 // "S" and its label, as "S: servo motors"; the name alone where the label says no more.
 std::string condition_title(const Condition& condition);
+std::string tracks_words(const TrackCount& tracks);  // "1 of 2 tracks used", "2 of 2 tracks unfinished"; else empty
 std::string joined(const std::string& a, const std::string& b);  // "a, b", or the one that is not empty
 // Where the fit rests on another difference than the one asked for; empty where it does not.
 std::string source_caution(DifferenceSource source, const StudyAnalysis& analysis);

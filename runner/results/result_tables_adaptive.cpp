@@ -68,7 +68,9 @@ ResultTable adaptive_rows_table(const AdaptiveResults& results, const Protocol& 
                ? "-"
                : fmt::format("x/ {:.2f}", source == ThresholdSource::quest ? std::pow(10, sd) : std::exp(sd));
   };
-  const auto status = [&](const Row& row) { return of.text("status", row) + (row.finished ? "" : ", not finished"); };
+  const auto status = [&](const Row& row) {
+    return joined(of.text("status", row) + (row.finished ? "" : ", not finished"), tracks_words(row.threshold.tracks));
+  };
   std::vector<Row> rows = results.rows;
   if (!tracks) std::erase_if(rows, [](const Row& row) { return row.track != 0; });
   std::vector<TableColumn<Row>> columns = {of("participant")};

@@ -213,6 +213,9 @@ ResultTable sensitivity_table(const ConstantResults& results, const Protocol& pr
 
 ResultTable models_table(const StudyModels& models, const Protocol& protocol) {
   const TableMaker of(model_fields(protocol));
+  const bool few = std::any_of(models.thresholds.begin(), models.thresholds.end(), [](const ThresholdModel& one) {
+    return one.quality && one.quality->status == FitStatus::few_trials;
+  });
   return of({"models",
              "Every model",
              fmt::format("slope per {} {}; JND in {}; 95 % CI of the same method; deviance p against a rate for each "
@@ -220,7 +223,9 @@ ResultTable models_table(const StudyModels& models, const Protocol& protocol) {
                          slope_step(protocol), unit_of(protocol), unit_of(protocol)),
              {},
              {},
-             {}},
+             few ? std::vector<std::string>{"deviance p is empty where too few trials per class and series leave "
+                                            "chi-square without meaning; jnd calc jnd --bootstrap draws one"}
+                 : std::vector<std::string>()},
             {of("participant"), of("condition"), of("model"),
              of.words("rates", [](const ThresholdModel& row) { return rates_name(row.method); }), of("method"),
              of("slope"), of("jnd"), of.range("ci_low", "ci_high"), of("weber"), of("fit.p"), of("status")},

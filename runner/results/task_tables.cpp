@@ -24,7 +24,7 @@ std::string words_about(const TaskEstimateRow& row) {
   std::string text = row.estimates.status == "ok" ? "" : row.estimates.status;
   if (row.excluded > 0) text = joined(text, fmt::format("{} excluded", row.excluded));
   if (row.missing > 0) text = joined(text, fmt::format("{} not done", row.missing));
-  return text;
+  return joined(text, tracks_words(row.estimates.tracks));
 }
 
 }  // namespace

@@ -36,10 +36,6 @@ CommandOption CommandOption::values(int least, int most) const {
   return option_->expected(least, most);
 }
 
-CommandOption CommandOption::one_at_a_time() const {
-  return option_->allow_extra_args(false);
-}
-
 CommandOption CommandOption::needs(const CommandOption& other) const {
   return option_->needs(other.option_);
 }
@@ -58,7 +54,9 @@ CommandOption CommandOption::hidden() const {
 
 template <typename Value>
 CommandOption Command::add_option(const std::string& name, Value& value, const std::string& what) const {
-  return command_->add_option(name, value, what);
+  CLI::Option* const option = command_->add_option(name, value, what);
+  if (name.starts_with('-')) option->allow_extra_args(false);  // else a list takes the arguments that follow it
+  return option;
 }
 
 template CommandOption Command::add_option(const std::string&, std::string&, const std::string&) const;

@@ -34,7 +34,6 @@ class CommandOption {
   CommandOption show_default() const;               // in the help: what the value holds now
   CommandOption delimiter(char between) const;      // of several values in one word
   CommandOption values(int least, int most) const;  // how many it takes
-  CommandOption one_at_a_time() const;              // one value each time that the option is given
   CommandOption needs(const CommandOption& other) const;
   CommandOption excludes(const CommandOption& other) const;
   CommandOption variable(const std::string& name) const;  // of the environment, which stands in for it
@@ -49,7 +48,7 @@ class Command {
  public:
   explicit Command(CLI::App& command) : command_(&command) {}
   // value: what is given goes there. A std::string, int, double or std::uint64_t, an optional one of these, or several
-  // strings, ints or doubles.
+  // strings, ints or doubles: an option takes one word each time that it is given, so that no list swallows an argument.
   template <typename Value>
   CommandOption add_option(const std::string& name, Value& value, const std::string& what) const;
   // An option whose value is one of some words, in alphabetical order in the help. value: Enum or an optional one.

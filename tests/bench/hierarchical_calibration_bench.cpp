@@ -81,7 +81,7 @@ std::vector<std::pair<std::string, std::string>> rows_of(const Tally& tally) {
     add(fmt::format("mean statistic at the truth, {}", kPairs[i]), mean_text(tally.lr_differences[i]));
   add("ranks of people at the truth, chi-square of 19", ranks_text(tally.people_at_truth));
   add("ranks of people at the estimates", ranks_text(tally.people_at_estimates));
-  add("95 % range of a person, at the estimates", share_text(tally.people_inside));
+  add("range of a person, mean ± 1.96 sd at the estimates", share_text(tally.people_inside));
   add("studies of equal JNDs", fmt::format("{}", tally.rejected.of));
   add("p of one JND below 5 %", share_text(tally.rejected));
   add("mean statistic of one JND, of 2", mean_text(tally.lr_equal));

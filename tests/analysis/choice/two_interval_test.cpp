@@ -90,7 +90,8 @@ TEST_CASE("two-interval choices without a maximum have a status instead", "[choi
   CHECK(status_of({{800, 0, 0}}) == TwoIntervalStatus::missing);
   CHECK_FALSE(two_interval_intervals({}).pse);
   CHECK(status_of({{800, 9, 0}, {1000, 9, 0}}) == TwoIntervalStatus::all_same);
-  CHECK(status_of({{800, 9, 4}}) == TwoIntervalStatus::flat);  // one level: any slope through it
+  CHECK(status_of({{800, 9, 4}}) == TwoIntervalStatus::not_identified);  // one level: any slope through it
+  CHECK(fit_two_interval(std::vector<ChoiceRow>{{800, 9, 6}}, {.pse = 700}).status == TwoIntervalStatus::ok);
   CHECK(status_of({{800, 9, 9}, {1000, 9, 0}}) == TwoIntervalStatus::flat);
   CHECK(status_of({{800, 9, 0}, {900, 9, 4}, {1000, 9, 9}}) == TwoIntervalStatus::separated);
   CHECK(status_of({{800, 9, 0}, {900, 9, 4}, {950, 9, 4}, {1000, 9, 9}}) == TwoIntervalStatus::ok);

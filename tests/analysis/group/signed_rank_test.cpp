@@ -47,6 +47,15 @@ TEST_CASE("signed ranks agree with R, coin and exactRankTests", "[analysis]") {
   }
 }
 
+TEST_CASE("signed ranks of fractions that were written with 15 digits are those of the fractions", "[analysis]") {
+  for (const auto& one : group_reference().at("wilcoxon_15_digits")) {
+    CAPTURE(one.at("multiples_of").get<std::string>());
+    const SignedRank found = signed_rank(numbers_of(one["x"]), numbers_of(one["y"]));
+    CHECK(found.v == one.at("V").get<double>());
+    CHECK(std::abs(found.p - one.at("p").get<double>()) <= 1e-12);
+  }
+}
+
 // Every one of the 2^n sign changes.
 double enumerated_p(const std::vector<double>& differences) {
   std::vector<double> magnitudes;

@@ -123,6 +123,8 @@ TEST_CASE("parameters that cannot be used say why") {
   };
   CHECK(broken([](QuestParameters& p) { p.t_guess = NAN; }));
   CHECK(broken([](QuestParameters& p) { p.t_guess_sd = 0; }));
+  CHECK(broken([](QuestParameters& p) { p.grain = 10; }));  // one threshold only
+  CHECK(broken([](QuestParameters& p) { p.t_guess_sd = p.grain / 10; }));
   CHECK(broken([](QuestParameters& p) { p.p_threshold = 0.5; }));  // gamma
   CHECK(broken([](QuestParameters& p) { p.p_threshold = 0.995; }));
   CHECK(broken([](QuestParameters& p) { p.beta = -1; }));

@@ -199,6 +199,11 @@ TEST_CASE("the bootstrap p of the deviance is near the asymptotic one, and small
   CHECK(std::abs(p - fit.deviance_p) < 0.06);  // four standard errors of 1000 replicates
   for (std::size_t i = 0; i < bad.size(); ++i) bad[i].k = i % 2 == 0 ? bad[i].k / 2 : std::min(20, bad[i].k + 6);
   CHECK(fit_psychometric(bad, model).deviance_p < 1e-4);
+  std::vector<PsychometricLevel> single;
+  for (int i = 0; i < 40; ++i) single.push_back({i + 0.5, 1, i % 4 < i / 10 ? 1 : 0});
+  const PsychometricFit few = fit_psychometric(single, model);
+  CHECK(few.few_trials);
+  CHECK((few.deviance > 0 && std::isnan(few.deviance_p)));
   CHECK(psychometric_bootstrap(bad, model, 500, 3).deviance_p == Approx(1.0 / 501));
 }
 

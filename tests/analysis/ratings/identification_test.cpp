@@ -1,6 +1,9 @@
 // Identification: R's numbers, searches by patterns, separated stimuli and other edges.
 #include "analysis/ratings/identification.h"
 
+#include <cmath>
+#include <random>
+
 #include <rapidcheck.h>
 
 #include "tests/analysis/ratings/ratings_fixtures.h"
@@ -10,6 +13,54 @@ namespace {
 
 using testing::near_reference;
 using Confusion = std::vector<std::vector<int>>;
+
+// By its definition: N I less N - 1 times the mean information without one trial.
+double jackknife_of(Confusion confusion) {
+  const Identification whole = identification(confusion);
+  const auto trials = static_cast<double>(whole.trials);
+  double without = 0;
+  for (std::vector<int>& row : confusion)
+    for (int& n : row) {
+      if (n == 0) continue;
+      --n;
+      const double bits = identification(confusion).information_bits;
+      ++n;
+      without += n * bits / trials;
+    }
+  return trials * whole.information_bits - (trials - 1) * without;
+}
+
+// The mean of what `read` finds in tables that are drawn from these rates.
+template <typename Read>
+double mean_of_drawn(const Confusion& rates, int trials_per_class, Read read) {
+  constexpr int kTables = 400;
+  std::mt19937 random(1);
+  double mean = 0;
+  for (int table = 0; table < kTables; ++table) {
+    Confusion drawn(rates.size(), std::vector<int>(rates.size()));
+    for (std::size_t i = 0; i < rates.size(); ++i) {
+      std::discrete_distribution<std::size_t> response(rates[i].begin(), rates[i].end());
+      for (int trial = 0; trial < trials_per_class; ++trial) ++drawn[i][response(random)];
+    }
+    mean += read(identification(drawn)) / kTables;
+  }
+  return mean;
+}
+
+TEST_CASE("the jackknife takes most of the bias off the information", "[analysis][ratings]") {
+  for (const nlohmann::json& one : reference_numbers("ratings").at("identification")) {
+    const Confusion rates = one.at("input").at("confusion");
+    for (const int trials : {6, 12, 24}) {
+      CAPTURE(one.at("name").get<std::string>(), trials);
+      const double truth = identification(rates).information_bits;
+      const double bias =
+          mean_of_drawn(rates, trials, [](const auto& found) { return found.information_bits; }) - truth;
+      const double left = mean_of_drawn(rates, trials, [](const auto& found) { return found.jackknife_bits; }) - truth;
+      CHECK(std::abs(left) < 0.35 * bias);
+    }
+  }
+  CHECK(identification({{1, 0}, {0, 0}}).jackknife_bits == 0);
+}
 
 TEST_CASE("identification agrees with R", "[analysis][ratings]") {
   for (const nlohmann::json& one : reference_numbers("ratings").at("identification")) {
@@ -21,6 +72,7 @@ TEST_CASE("identification agrees with R", "[analysis][ratings]") {
     CHECK(near_reference(found.response_entropy_bits, expected.at("response_entropy_bits"), 1e-13));
     CHECK(near_reference(found.miller_madow_bits, expected.at("miller_madow_bits"), 1e-13));
     CHECK(near_reference(found.table_corrected_bits, expected.at("table_corrected_bits"), 1e-13));
+    CHECK(found.jackknife_bits == Approx(jackknife_of(one.at("input").at("confusion"))).epsilon(1e-12));
     CHECK(near_reference(found.relative, expected.at("relative"), 1e-13));
     CHECK(near_reference(found.equivalent_classes, expected.at("equivalent_classes"), 1e-12));
     CHECK(near_reference(found.proportion_correct, expected.at("proportion_correct"), 1e-15));

@@ -148,6 +148,7 @@ TEST_CASE("statuses of rated detection", "[analysis][ratings]") {
   CHECK(std::isnan(separated.equal.dprime.se));
   CHECK(separated.unequal.status == RatingStatus::not_applicable);
   CHECK(rating_roc({0, 1, 9}, {9, 1, 0}).equal.dprime.value == -kInf);
+  CHECK(std::isnan(rating_roc({0, 5, 1}, {0, 0, 6}).equal.area.value));  // they share a category
 
   // A signal that never has the middle ratings: of infinite variance, as far as these can say.
   const RatingRoc unbounded = rating_roc({10, 10, 10, 10}, {10, 0, 0, 10});

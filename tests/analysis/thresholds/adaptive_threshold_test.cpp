@@ -71,6 +71,18 @@ TEST_CASE("tracks that are ok are averaged, others left out") {
   CHECK(combined_staircases({}).status == AdaptiveStatus::no_trials);
   CHECK(std::isnan(combined_staircases({stuck}).threshold));
 
+  // A track that did not end counts if it is registered so, and is counted either way.
+  const AdaptiveThreshold empty{AdaptiveStatus::too_few_reversals, kNaN, kNaN, 0};
+  const AdaptiveThreshold without = combined_staircases({a, stuck, brief, empty});
+  CHECK(without.threshold == Approx(40));
+  CHECK((without.tracks.all == 4 && without.tracks.used == 1 && without.tracks.unfinished == 2));
+  const AdaptiveThreshold with = combined_staircases({a, stuck, brief, empty}, UnfinishedTracks::use);
+  CHECK(with.threshold == Approx(55));
+  CHECK(with.n == 8);
+  CHECK((with.tracks.all == 4 && with.tracks.used == 2 && with.tracks.unfinished == 2));
+  CHECK(combined_staircases({brief}, UnfinishedTracks::use).status == AdaptiveStatus::ok);
+  CHECK(combined_staircases({empty}, UnfinishedTracks::use).status == AdaptiveStatus::too_few_reversals);
+
   const AdaptiveThreshold low{AdaptiveStatus::ok, 10, 0.3, 20}, high{AdaptiveStatus::ok, 1000, 0.4, 30};
   const AdaptiveThreshold quests = combined_quests({low, high});
   CHECK(quests.threshold == Approx(100));
@@ -94,6 +106,7 @@ TEST_CASE("a posterior of all answers is ok, says less than the prior, or ends a
   CHECK(good.low == Approx(110));
   CHECK(good.high == Approx(370));
   CHECK(good.n == 60);
+  CHECK(good.prior_weight == Approx(0.09 / 0.49));
   of.sd = 0.494;  // half of the prior's variance is at 0.49497
   CHECK(posterior_threshold(of).status == AdaptiveStatus::ok);
   of.sd = 0.496;

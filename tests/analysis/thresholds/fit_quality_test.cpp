@@ -44,6 +44,15 @@ TEST_CASE("deviance and chi-square of equal rates in a two-by-two table", "[anal
   CHECK(std::isnan(found.deviance_p_bootstrap));
 }
 
+TEST_CASE("too few trials per cell for chi-square leave the bootstrap's p", "[analysis][fit]") {
+  const std::vector<SeriesCounts> few = {{400, {4, 3, 4, 1}}, {200, {4, 2, 4, 1}}};
+  const FitQuality found = fit_quality(few, JndMethod::ml_yes_no_common, 50, 1);
+  CHECK(found.status == FitStatus::few_trials);
+  CHECK(std::isnan(found.deviance_p));
+  CHECK(std::isnan(found.pearson_p));
+  CHECK((found.deviance_p_bootstrap > 0 && found.deviance_p_bootstrap <= 1));
+}
+
 TEST_CASE("degrees of freedom count cells less parameters; missing series are left out", "[analysis][fit]") {
   const std::vector<SeriesCounts> series = {
       {400, {6, 5, 6, 1}}, {300, {6, 4, 6, 1}}, {250, {12, 9, 0, 0}}, {200, {6, 3, 6, 2}}};
@@ -63,7 +72,8 @@ TEST_CASE("a fit at the ceiling is judged by its limit", "[analysis][fit]") {
     const FitQuality found = fit_quality(every_hit, method, 20, 1);
     CHECK(found.deviance == 0);
     CHECK(found.pearson == 0);
-    CHECK(found.deviance_p == 1);
+    CHECK(found.status == FitStatus::few_trials);  // no answer but those that the limit expects
+    CHECK(std::isnan(found.deviance_p));
     CHECK(found.deviance_p_bootstrap == 1);
   }
   // One criterion, separated at 0: the false alarms of both series share a rate of 4/12.

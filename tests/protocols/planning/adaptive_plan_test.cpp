@@ -207,6 +207,35 @@ TEST_CASE("levels follow the answers of their own track; catch trials move nothi
   CHECK(tracks[3].level == 100);
 }
 
+TEST_CASE("levels are the decimals that they stand for, whoever sets them") {
+  json document = json::parse(read_text(protocols_folder() / "studies" / "lee2007-delay.json"));
+  document["standards"][0]["value"] = 0.1 + 0.2;
+  document["levels"] = {{"difference", {-0.2, -0.1}}};
+  CHECK(parsed(document).series[0].levels == std::vector<double>{0.1, 0.2});
+  document["levels"] = {{"difference", {{"from", 0.1}, {"to", 0.4}, {"step", 0.1}}}};
+  CHECK(parsed(document).series[0].levels == std::vector<double>{0.4, 0.5, 0.6, 0.7});
+  document["levels"] = {{"ratio", {3}}};
+  CHECK(parsed(document).series[0].levels == std::vector<double>{0.9});
+  for (const char* of_levels : {"levels", "assumed"}) document.erase(of_levels);
+  for (const char* of_levels : {"trials_per_cell", "sampling"}) document["design"].erase(of_levels);
+  document["design"]["order"]["series"] = "fixed";
+  document["design"]["procedure"] = {
+      {"kind", "staircase"}, {"starts", {1}},  {"clamp", {0.1, 2}}, {"up", 1},
+      {"down", 1},           {"step_up", 0.1}, {"step_down", 0.1},  {"stop", {{"trials", 20}}},
+      {"catch_share", 0.25}, {"side", "below"}};
+  document["standards"][0]["value"] = 1.1;
+  const Protocol protocol = parsed(document);
+  AdaptiveRun run(protocol);
+  std::vector<double> presented;
+  for (const Trial& planned : make_plan(protocol, 1, 1).trials) {
+    if (planned.condition != 0) continue;
+    const Trial trial = run.resolved(planned);
+    if (trial.target == 1 && presented.size() < 10) presented.push_back(trial.stimuli[0]);
+    run.answered(planned, said(trial.target));
+  }
+  CHECK(presented == std::vector<double>{0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1});
+}
+
 TEST_CASE("a track ends with its reversals, or with its trials") {
   const Protocol protocol = staircase();
   AdaptiveRun run(protocol);

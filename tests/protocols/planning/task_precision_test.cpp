@@ -121,3 +121,25 @@ TEST_CASE("every task's precision can be foretold, of procedures too") {
     CHECK(std::isfinite(registered.median));
   }
 }
+
+TEST_CASE("signals that a procedure sets are told from noise of every size, on either side of it") {
+  for (const double standard : {0.0, 500.0, -500.0}) {
+    for (const int side : {-1, 1}) {
+      CAPTURE(standard, side);
+      Protocol protocol = shipped_protocol("lee2007-delay");
+      protocol.series.front() = {"all", {standard - 400, standard + 400}, standard};
+      AdaptiveProcedure& procedure = protocol.design.procedure.emplace();
+      procedure.staircase = {.up = 1, .down = 2, .step_up = 1.2, .step_down = 1.2, .multiplicative = true};
+      procedure.starts = {200};
+      procedure.clamp = {1, 400};
+      procedure.sides = {side};
+      procedure.trials = 200;
+      TaskPrecisionQuestion question;
+      question.noise = 100;
+      question.participants = 30;
+      const auto rows = task_precision(protocol, question);
+      CHECK(row_of(rows, protocol, "threshold").median == Approx(100 / std::sqrt(2.0)).epsilon(0.15));
+      CHECK(row_of(rows, protocol, "correct").median > 0.7);
+    }
+  }
+}

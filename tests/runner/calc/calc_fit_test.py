@@ -44,6 +44,20 @@ class Fit(program.Case):
             self.assertLess(low, fit[name])
             self.assertGreater(high, fit[name])
 
+    def test_single_trials_have_no_chi_square_p(self):
+        trials = "level,answer\n" + "".join(f"{i},{int(i % 4 < i // 10)}\n" for i in range(40))
+        options = ("--trials", "--level", "level", "--answer", "answer", "--positive", "1", "--function", "gaussian",
+                   "--guess", "0", "--lapse", "0")
+        self.says(self.run_fit(trials, *options).stdout, "few_trials", "--interval bootstrap")
+        (fit,) = self.lines(trials, *options)
+        self.assertEqual((fit["deviance_p"], fit["deviance_p_status"], fit["falling"]), (None, "few_trials", False))
+
+    def test_answers_that_fall_are_named(self):
+        done = self.run_fit("x,n,k\n1,20,18\n2,20,10\n3,20,2\n", "--function", "gaussian", "--guess", "0",
+                            "--lapse", "0", "--json")
+        self.assertTrue(done.lines[0]["falling"])
+        self.says(done.stderr, "from 18 of 20 at 1 to 2 of 20 at 3", "coded the other way round", "--positive")
+
     def test_a_free_lapse_is_a_parameter(self):
         (fit,) = self.lines(FORCED, "--function", "weibull", "--guess", "0.5", "--lapse", "free")
         self.assertEqual(list(fit["parameters"]), ["scale", "shape", "lapse"])

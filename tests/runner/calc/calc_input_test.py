@@ -71,6 +71,26 @@ class CalcInput(program.Case):
         options = ("--function", "logistic", "--guess", "0", "--lapse", "0", "--json")
         self.assertEqual(calc("fit", (rows + "4,0,0\n").encode(), *options).stdout, calc("fit", rows.encode(), *options).stdout)
 
+    def test_levels_that_differ_by_rounding_are_one_level(self):
+        noise, clean = "0.30000000000000004", "0.3"
+        trials = "".join(f"P1,{standard},{level},{answer}\n" for level, answers in (("X", "sdss"), ("0.4", "sdsd"), ("0.5", "dsdd"))
+                         for standard in ("0.3", "X") for answer in answers)
+        columns = ("--trials", "--level", "level", "--standard", "standard", "--participant", "who", "--answer", "answer",
+                   "--positive", "d", "--json")
+        fit = ("--function", "gaussian", "--guess", "0", "--lapse", "0")
+        for command, more in (("sdt", ()), ("jnd", ()), ("which", ()), ("fit", fit)):
+            with self.subTest(command):
+                found = [calc(command, ("who,standard,level,answer\n" + trials.replace("X", written)).encode(), *columns, *more).stdout
+                         for written in (noise, clean)]
+                self.assertEqual(*found)
+        levels = "x,n,k\n0.1,9,1\n0.3,9,3\nX,9,5\n0.5,9,8\n"
+        self.assertEqual(*(calc("fit", levels.replace("X", written).encode(), *fit, "--json").stdout for written in (noise, clean)))
+
+    def test_levels_of_quest_that_are_no_logarithms_are_told(self):
+        guess = ("--t-guess", "2.7", "--t-guess-sd", "0.3")
+        self.assertIn("900 lies far beyond the grid of thresholds, 0.2 to 5.2", calc("quest", b"response,x\n1,900\n", *guess).stderr.decode())
+        self.assertEqual(calc("quest", b"response,x\n1,2.95\n", *guess).stderr, b"")
+
     def test_kinds_of_files(self):
         pipe, sock = self.folder / "pipe", self.folder / "socket"
         os.mkfifo(pipe)

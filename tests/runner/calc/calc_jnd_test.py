@@ -45,7 +45,7 @@ class CalcJnd(program.Case):
         self.assertEqual([(line["participant"], line["condition"], line["series"]) for line in lines],
                          [("P1", "S", 3), ("P2", "S", 3), ("P1", "V", 3), ("P3", "S", 2), ("P4", "S", 2)])
         for line in lines:
-            self.assertEqual(list(line), ["participant", "condition", "reference", "series", *METHODS])
+            self.assertEqual(list(line), ["participant", "condition", "reference", "series", "falling", *METHODS])
             self.assertEqual(line["reference"], 900)
             for method in METHODS:
                 self.assertEqual(list(line[method])[:8],
@@ -111,6 +111,12 @@ class CalcJnd(program.Case):
         self.assertEqual((fit["status"], fit["df"], fit["replicates"]), ("ok", 2, 200))
         self.assertTrue(0 < fit["deviance_p_bootstrap"] <= 1)
         self.assertIsNone(self.lines()[0]["ml_yes_no_series"]["fit"]["deviance_p_bootstrap"])
+
+    def test_answers_that_fall_are_named(self):
+        text = HEADER + "P1,S,100,12,8,12,11\nP1,S,200,12,4,12,10\nP1,S,300,12,1,12,11\n"
+        done = run("-", "--reference", "900", "--json", text=text)
+        self.assertTrue(done.json["falling"])
+        self.assertIn("P1 S: the counted answers fall with the level, from 32 of 36 at 0 to 1 of 12 at 300", done.stderr)
 
     def test_the_same_difference_twice_is_two_series(self):
         line = self.lines(text=HEADER + "P1,S,300,6,5,6,1\nP1,S,300,6,4,6,2\n")[0]

@@ -34,6 +34,11 @@ class CalcPosterior(program.Case):
     def json_of(self, given):
         return self.calc(json.dumps(given), "--json").json
 
+    def test_a_response_is_0_or_1(self):
+        given = configuration(REFERENCE[0]["input"])
+        given["responses"] = [2]
+        self.assertIn("2 is out of range (must be 0 or 1)", self.calc(json.dumps(given), code=3).stderr)
+
     def test_every_reference_sequence(self):
         for case in REFERENCE:
             expected = case["expected"]

@@ -69,6 +69,11 @@ class Which(program.Case):
         out = run("--standard", "900", text="x,n,k\n800,20,0\n1000,20,20\n").stdout
         self.assertIn("separated: a step fits best", out)
 
+    def test_answers_that_fall_are_named(self):
+        done = run("--standard", "900", text="group,x,n,k\nA,800,20,18\nA,1000,20,2\nB,800,20,2\nB,1000,20,18\n")
+        self.says(done.stderr, "A: the counted answers fall with the level, from 18 of 20 at 800 to 2 of 20 at 1000")
+        self.assertNotIn("B:", done.stderr)
+
     def test_mistakes(self):
         self.refused("standard input:3:3: k: 21 choices in 20 trials (k is at most n)", text="x,n,k\n1,2,1\n2,20,21\n")
         self.refused("order: 0 is no order", text="x,n,k,order\n1,2,1,0\n")

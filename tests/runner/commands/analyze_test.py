@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """The analysis of a study from outside: tables, JSON, CSV, methods in words, refusals; adaptive studies too."""
 import csv
+import json
 import os
 import re
 import sys
@@ -64,6 +65,35 @@ class Analyze(program.Shared):
         self.assertEqual(len(said), 1)
         self.assertTrue(said[0].startswith(f"{len(without)} of {len(tracks)} "), said)
         self.assertNotIn("tracks have no threshold", str(self.analysis("adaptive-posterior.sqlite")["cautions"]))
+
+    def test_tracks_that_did_not_end_count_as_registered(self):
+        for use in ("leave_out", "use"):
+            protocol = json.loads((program.ROOT / "tests/protocols/corpus/good/task-across.json").read_text())
+            protocol["design"]["procedure"].update(stop={"trials": 10}, averaged_reversals=6)
+            protocol["analysis"]["unfinished_tracks"] = use
+            file = self.write(f"across-{use}.json", json.dumps(protocol))
+            self.jnd("simulate", file, "--participants", 4, "--study", f"{use}.sqlite", "--seed", 5)
+            result = self.analysis(f"{use}.sqlite")
+            people = result["participants"]
+            unfinished = sum(row["tracks_unfinished"] for row in people)
+            said = [caution for caution in result["cautions"] if "did not end" in caution]
+            self.assertEqual(len(said), 1)
+            self.says(said[0], f"{unfinished} of 8 ", "fewer than 6 reversals",
+                      "count with those that they have" if use == "use" else "are left out")
+            self.assertTrue(0 < unfinished < 8)
+            for row in people:
+                self.assertEqual(row["tracks_used"], 2 if use == "use" else 2 - row["tracks_unfinished"])
+                self.assertEqual(row["track_threshold"] is None, row["tracks_used"] == 0)
+
+    def test_tests_of_estimates_with_a_prior_are_a_caution(self):
+        said = [caution for caution in self.analysis("adaptive-posterior.sqlite")["cautions"] if "prior has more" in caution]
+        self.assertEqual(len(said), 1)
+        self.says(said[0], "of 9 (", "10 % of the weight", "hierarchical model")
+        self.assertNotIn("prior has more", str(self.analysis("adaptive-staircase.sqlite")["cautions"]))
+
+    def test_ranges_of_single_people_say_what_they_hold(self):
+        self.says(self.jnd("analyze", "chinello2017.sqlite", "--participants").stdout.replace("\n  ", " "), "84 %", "88 %", "not of 95 %")
+        self.says(self.analysis("chinello2017.sqlite", "--tests")["hierarchical"]["people_note"], "84 %", "not of 95 %")
 
     def test_a_row_of_the_contrasts_is_on_one_scale(self):
         result = self.analysis("chinello2017.sqlite")

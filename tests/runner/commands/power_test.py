@@ -50,6 +50,18 @@ class PowerTest(program.Case):
         self.assertIn("is there already", power("--studies", 100000000, "--csv", csv_file, code=3).stderr)
         self.assertEqual(csv_file.read_bytes(), before)
 
+    def test_few_studies_claim_little(self):
+        """All of 10 studies, or of 1, leave much open, and no design is picked for that."""
+        for studies, low, words in ((10, 0.6915, "100.0 % (69.2 to 100.0)"), (1, 0.025, "100.0 % (2.5 to 100.0)")):
+            options = ("--participants", 18, "--trials", 12, "--effect", 5, "--analysis", "hierarchical", "--studies", studies)
+            document = power(*options, "--json").json
+            shares = [row["power"] for row in document["contrasts"]]
+            self.assertEqual({share["value"] for share in shares}, {1})
+            self.assertEqual({share["mc_error"] for share in shares}, {None})
+            self.assertEqual({round(share["ci95"][0], 4) for share in shares}, {low})
+            self.assertEqual({row["design"] for row in map(dict, document["smallest"])}, {None})
+            self.says(power(*options).stdout, words, "even at the low end of its interval")
+
     def test_shares_that_are_killed(self):
         """A shard killed at random moments, until it is there; the result is that of one run without shards."""
         options = ["--studies", 60, "--participants", 6, "--effect", 1, "--threads", 1]

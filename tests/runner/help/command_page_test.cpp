@@ -42,6 +42,20 @@ std::vector<std::string> shell_words(const std::string& line) {
   return words;
 }
 
+// Options that take several values, here and below; each leaves the arguments that follow it alone.
+int check_lists(const CLI::App& app) {
+  int lists = 0;
+  for (const CLI::Option* option : app.get_options()) {
+    if (option->get_positional() || option->get_items_expected_max() < 2) continue;
+    INFO(app.get_name() << " " << option->get_name());
+    CHECK_FALSE(option->get_allow_extra_args());
+    ++lists;
+  }
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
+    lists += check_lists(*command);
+  return lists;
+}
+
 // What takes a value has a name for it, here and below.
 int check_values(const CLI::App& app, const CommandPage& page) {
   int values = 0;
@@ -63,6 +77,14 @@ int check_values(const CLI::App& app, const CommandPage& page) {
 TEST_CASE("what takes a value names it, and a flag names none") {
   const Program program;
   CHECK(check_values(program.app, command_page(program.app)) > 150);
+}
+
+TEST_CASE("no option that takes several values takes the arguments that follow") {
+  Program program;
+  CHECK(check_lists(program.app) > 10);
+  std::vector<std::string> words = shell_words("calc identify --classes A,B confusion.csv --json");
+  std::reverse(words.begin(), words.end());  // as the parser takes them
+  CHECK_NOTHROW(program.app.parse(words));
 }
 
 TEST_CASE("every command has an example, and the arguments of each are read without an error") {
