@@ -24,9 +24,9 @@ constexpr double kRoughFineness = 0.75, kRoughlyNegligible = 1e-4;
 // Of ln L: what nodes may err by, how much denser they are to tell, and how dense at most.
 constexpr double kExact = 1e-6, kDenser = 1.5, kDensest = 3.5;
 constexpr int kMostRestarts = 6;  // because a larger likelihood was come upon
-// Of HierarchicalLikelihood::work(), about 20 s of one processor: for a search of everything, and for the whole of
-// complete(), each of whose numbers gets its share.
-constexpr double kMostOfFit = 4e9, kMostOfAll = 8e9;
+// Of HierarchicalLikelihood::work(), of which a second has about 1e9: for the search of everything, and for complete(), of
+// which means and criteria have a half and everything else the other, each number its share.
+constexpr double kMostOfFit = 4e9, kMostOfAll = 8e9, kOfTest = 0.3;
 
 double trials_of(std::span<const HierarchicalCell> cells) {
   return std::accumulate(cells.begin(), cells.end(), 0.0,
@@ -136,7 +136,7 @@ void HierarchicalAnalysis::find_spreads() {
 }
 
 HierarchicalMaximum HierarchicalAnalysis::climbed(const HierarchicalForm& form, const HierarchicalMaximum& from) {
-  return search_->climbed(form, from, kMostOfFit, effort_ == SearchEffort::drawn ? kRoughlyNegligible : kNegligible);
+  return search_->climbed(form, from, kMostOfFit - spent_, effort_ == SearchEffort::drawn ? kRoughlyNegligible : kNegligible);
 }
 
 HierarchicalMaximum HierarchicalAnalysis::first_place(const HierarchicalPlace* near) const {
@@ -180,7 +180,7 @@ void HierarchicalAnalysis::ask_spreads(const HierarchicalForm& form, Hierarchica
     if (best.place.*spread > 0) {
       HierarchicalMaximum start = best;
       start.place.*spread = 0;
-      if (search_->improve(form, start, best)) asked = 0;
+      if (search_->improve(form, start, best, kMostOfFit - spent_)) asked = 0;
       continue;
     }
     for (const double one : kAsked) {
@@ -188,7 +188,7 @@ void HierarchicalAnalysis::ask_spreads(const HierarchicalForm& form, Hierarchica
       start.place.*spread = one * (spread == &HierarchicalPlace::tw ? range_.criterion_unit : 1);
       search_->likelihood().set_shared(start.shared);
       if (!(search_->likelihood().at(start.place).log_likelihood > best.log_likelihood + kNegligible)) continue;
-      if (search_->improve(form, start, best)) asked = 0;
+      if (search_->improve(form, start, best, kMostOfFit - spent_)) asked = 0;
       break;
     }
   }
@@ -200,7 +200,7 @@ HierarchicalMaximum HierarchicalAnalysis::largest(const HierarchicalForm& form, 
   HierarchicalMaximum best = climbed(form, first);
   if (effort_ == SearchEffort::drawn) return best;
   for (const HierarchicalMaximum& start : with_other_spreads(form, first, range_.criterion_unit))
-    search_->improve(form, start, best);
+    search_->improve(form, start, best, kMostOfFit - spent_);
   for (const double aside : {-1.0, 1.0}) {
     if (!many) break;
     HierarchicalMaximum start = first;
@@ -210,7 +210,7 @@ HierarchicalMaximum HierarchicalAnalysis::largest(const HierarchicalForm& form, 
       start.place.kappa[c] =
           pooled_maximum(of_condition(cells_, c), model_.response, model_.shared, range_, start.place.mu[c]).criterion;
     }
-    search_->improve(form, start, best);
+    search_->improve(form, start, best, kMostOfFit - spent_);
   }
   ask_spreads(form, best);
   return best;
@@ -232,6 +232,7 @@ void HierarchicalAnalysis::search(const HierarchicalPlace* near) {
     fit_.exact = std::abs(then - now) < kExact;
     if (fit_.exact || kDenser * fineness_ > kDensest) break;
     fineness_ *= kDenser;
+    spent_ += search_->work();
     search_ = std::move(denser);
     best = largest(form_, best, false);
   }
@@ -405,6 +406,7 @@ HeldNumber HierarchicalAnalysis::shared_number(SharedParameter which) const {
 // One number's part of complete(): what it takes from the likelihood, and where what it finds goes.
 struct HierarchicalAnalysis::Task {
   HeldNumber number{};
+  bool of_condition = false;        // its mean, or criterion
   double tested = kNaN;             // a value whose drop is wanted
   bool interval = true;
   ProfileEnds* ends = nullptr;
@@ -427,9 +429,9 @@ std::vector<HierarchicalAnalysis::Task> HierarchicalAnalysis::tasks_of(const Hie
     ConditionMean& one = fit_.conditions[c];
     one.ends = one.criterion_ends = {};
     if (!kept(c)) continue;
-    tasks.push_back({.number = mean_number(c), .ends = &one.ends});
+    tasks.push_back({.number = mean_number(c), .of_condition = true, .ends = &one.ends});
     if (choice && one.status == SlopeStatus::ok && !form_.held_criteria[c])
-      tasks.push_back({.number = criterion_number(c), .ends = &one.criterion_ends});
+      tasks.push_back({.number = criterion_number(c), .of_condition = true, .ends = &one.criterion_ends});
   }
   fit_.differences.clear();
   fit_.differences.reserve(wish.pairs.size());
@@ -475,27 +477,33 @@ std::vector<HierarchicalAnalysis::Task> HierarchicalAnalysis::tasks_of(const Hie
 }
 
 const HierarchicalFit& HierarchicalAnalysis::complete(const HierarchicalWish& wish, int threads) {
+  double left = kMostOfAll;
   for (int restart = 0;; ++restart) {
     std::vector<Task> tasks = tasks_of(wish);
     if (tasks.empty()) return fit_;
-    const double share = kMostOfAll / static_cast<double>(tasks.size());
+    const auto means = std::count_if(tasks.begin(), tasks.end(), [](const Task& one) { return one.of_condition; });
+    const auto others = static_cast<std::ptrdiff_t>(tasks.size()) - means;
+    const double half = left / (means > 0 && others > 0 ? 2 : 1);
     std::atomic<std::size_t> next{0};
     int done = 0;
+    double spent = 0;  // whole numbers: in whatever order
     std::mutex mutex;
     std::exception_ptr failure;
     const auto work = [&] {
       try {
-        HierarchicalSearch search = *search_;
         for (std::size_t i = next++; i < tasks.size(); i = next++) {
           Task& task = tasks[i];
-          Profile profile(search, fit_.maximum, task.number, share);
+          HierarchicalSearch search = *search_;  // what it knows already is work that it need not do
+          const double before = search.work(), share = half / static_cast<double>(task.of_condition ? means : others);
+          Profile profile(search, fit_.maximum, task.number);
           try {
-            if (!std::isnan(task.tested)) task.drop = profile.drop(task.tested);
-            if (task.interval) *task.ends = profile.ends();
+            if (!std::isnan(task.tested)) task.drop = profile.drop(task.tested, before + kOfTest * share);
+            if (task.interval) *task.ends = profile.ends(before + share);
           } catch (BetterMaximum& found) {
             task.better = std::move(found.maximum);
           }
           const std::lock_guard lock(mutex);
+          spent += search.work() - before;
           ++done;
           if (work_progress()) work_progress()(done, static_cast<int>(tasks.size()));
         }
@@ -522,6 +530,7 @@ const HierarchicalFit& HierarchicalAnalysis::complete(const HierarchicalWish& wi
       }
       return fit_;
     }
+    left = std::max(0.0, left - spent);
     search_from(largest(form_, *better, false));
   }
 }

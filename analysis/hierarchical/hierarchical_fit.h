@@ -214,7 +214,7 @@ class HierarchicalAnalysis {
   std::vector<bool> kept_;
   HierarchicalForm form_;
   SearchRange range_;
-  double fineness_ = 1;
+  double fineness_ = 1, spent_ = 0;  // the latter: work of searches before search_
   std::optional<HierarchicalSearch> search_;
   HierarchicalFit fit_;
 };

@@ -31,8 +31,8 @@ constexpr double kGrowth = 0.4;    // of its width, by which a range grows at an
 constexpr double kClosest = 0.95;  // the greatest correlation that nodes are placed for
 // Of the least standard error that a cell's answers can have of ln s, and of the criterion: Lagrange's polynomial through
 // a likelihood errs by 2e-8, and through the logarithm of one where steps are this share of one answer's standard error.
-constexpr double kLatticeStepS = 0.2, kLogarithmStepK = 0.12;
-constexpr double kSmoothU = 0.5;    // in ln s: what likelihoods change within
+constexpr double kLatticeStepS = 0.4, kLogarithmStepK = 0.24;
+constexpr double kSmoothU = 0.33;    // in ln s: what likelihoods change within
 constexpr double kMostNodesW = 512;  // where that would be less than all of them
 
 // Posteriors that are less like a normal distribution take more nodes for the same error.
@@ -154,10 +154,12 @@ OfSharedParameters HierarchicalLikelihood::slope_by_shared(const Person& person,
     const CellLikelihood& answers = cell(person, c);
     const LatticeRange nodes = at.read_by(c, at.box);
     responses(c).extend(nodes);
+    work_ += responses(c).worked();
     const double here = answers.weighted_sum(nodes, at.by_cell[c], responses(c));
     for (ResponsesBeside& beside : beside_) {
       if (beside.condition != c) continue;
       beside.responses.lay_out(responses(c).range());
+      work_ += beside.responses.worked();
       slope[static_cast<std::size_t>(beside.parameter)] +=
           (answers.weighted_sum(nodes, at.by_cell[c], beside.responses) - here) / beside.step;
     }
@@ -282,10 +284,11 @@ void HierarchicalLikelihood::integrate(Person& person, Evaluation& at) {
     const LatticeRange needed = at.read_by(c, at.box);
     if (choice()) {
       lay_out_rows(c, needed, responses(c).steps().origin, responses(c).steps().criterion);
-      cell.take(needed, responses(c), lattices_[c].front().beside);
+      work_ += cell.take(needed, responses(c), lattices_[c].front().beside);
     } else {
-      cell.cover(needed, responses(c));
+      work_ += cell.cover(needed, responses(c));
     }
+    work_ += responses(c).worked();
     at.first_s[c] = needed.s0;
     const std::size_t nodes = needed.wide(), stride = cell.range().wide();
     at.read[c].resize(nodes * at.high);
@@ -431,6 +434,7 @@ HierarchicalLikelihood::Evaluation HierarchicalLikelihood::prepared(const Hierar
       for (CellLikelihood& cell : lattices_[c].front().cells) cell.forget();
     }
     responses(c).cover(needed);
+    work_ += responses(c).worked();
   }
   at.by_s.resize(conditions_);
   at.by_kappa.resize(conditions_);
@@ -459,6 +463,7 @@ void HierarchicalLikelihood::lay_out_rows(std::size_t condition, const LatticeRa
   const LatticeRange both = lattice.responses.range().united(needed);
   lattice.responses.lay_out(both);
   lattice.beside.lay_out(both);
+  work_ += lattice.responses.worked() + lattice.beside.worked();
 }
 
 // The integral of one participant over a range that holds all of it. False: the kernels do not reach so far.

@@ -32,9 +32,8 @@ std::vector<HierarchicalMaximum> with_other_spreads(const HierarchicalForm& form
   return others;
 }
 
-Profile::Profile(HierarchicalSearch& search, const HierarchicalMaximum& best, const HeldNumber& number,
-                 double most_work)
-    : search_(search), best_(best), number_(number), most_work_(search.work() + most_work) {
+Profile::Profile(HierarchicalSearch& search, const HierarchicalMaximum& best, const HeldNumber& number)
+    : search_(search), best_(best), number_(number) {
   points_.push_back({number.estimate, 0, best, true});
   points_.back().maximum.curvature.clear();  // of another form
 }
@@ -78,7 +77,8 @@ const Profile::Point& Profile::confirm(double value) {
   return point;
 }
 
-double Profile::drop(double value) {
+double Profile::drop(double value, double most_work) {
+  most_work_ = most_work;
   const double found = confirm(value).drop;
   return worked() ? kNaN : found;
 }
@@ -151,7 +151,8 @@ double Profile::end(double side, EndsStatus& status) {
   return kNaN;
 }
 
-ProfileEnds Profile::ends() {
+ProfileEnds Profile::ends(double most_work) {
+  most_work_ = most_work;
   ProfileEnds found;
   found.status = EndsStatus::ok;
   found.low = end(-1, found.status);

@@ -56,15 +56,13 @@ inline constexpr double kTold = 1e-6;  // of ln L: by so much maxima are told ap
 
 class Profile {
  public:
-  // most_work: of the search, from here on.
-  Profile(HierarchicalSearch& search, const HierarchicalMaximum& best, const HeldNumber& number,
-          double most_work = kInf);
+  Profile(HierarchicalSearch& search, const HierarchicalMaximum& best, const HeldNumber& number);
 
   // How far the largest ln L with the number at that value lies below the free maximum, from all starts; >= 0, and not a
   // number where the work is used up. Throws BetterMaximum.
-  double drop(double value);
+  double drop(double value, double most_work = kInf);
   // Values whose drop was asked for are points of it. Throws BetterMaximum.
-  ProfileEnds ends();
+  ProfileEnds ends(double most_work = kInf);
 
  private:
   struct Point {
@@ -84,7 +82,7 @@ class Profile {
   HierarchicalSearch& search_;
   const HierarchicalMaximum& best_;
   const HeldNumber& number_;
-  double most_work_;
+  double most_work_ = kInf;  // of the search
   std::vector<Point> points_;  // by value; one of them is the estimate
 };
 

@@ -55,6 +55,20 @@ class AlikeAnswers {
   double least_ = 1, most_ = 1;  // that the product can be
 };
 
+// Of one probability of both answers.
+double nanoseconds_of(ResponseModel model) {
+  switch (model) {
+    case ResponseModel::yes_no:
+    case ResponseModel::choice:
+      return 60;
+    case ResponseModel::differencing:
+      return 100;
+    case ResponseModel::independent:
+      return 300;
+  }
+  return 0;
+}
+
 }  // namespace
 
 LatticeRange LatticeRange::united(const LatticeRange& other) const noexcept {
@@ -145,6 +159,7 @@ void ResponseLattice::lay_out_question(std::size_t i, const LatticeRange& before
   const bool no_slope = model_ == ResponseModel::yes_no && question.level == 0;  // the same at every spread
   // Of this row the nodes between.
   const auto calculate = [&](int k, int from, int to) {
+    if (from <= to) worked_ += (no_slope ? 1 : to - from + 1) * nanoseconds_of(model_) * (shared_.graded() ? 2 : 1);
     const double criterion = steps_.origin + k * steps_.criterion + shift_k;
     GradedLogRates rates{};
     for (int s = from; s <= to; ++s) {
@@ -226,8 +241,8 @@ class AnswerRows {
 
 }  // namespace
 
-void CellLikelihood::cover(const LatticeRange& range, ResponseLattice& responses) {
-  if (!range_.empty() && range_.holds(range)) return;
+double CellLikelihood::cover(const LatticeRange& range, ResponseLattice& responses) {
+  if (!range_.empty() && range_.holds(range)) return 0;
   range_ = range_.covering(range);
   responses.extend(range_);
   shared_ = responses.shared();
@@ -235,10 +250,11 @@ void CellLikelihood::cover(const LatticeRange& range, ResponseLattice& responses
   AnswerRows rows(answers_, responses, range_);
   for (int k = range_.k0; k <= range_.k1; ++k) rows.write(k, &values_[range_.place(range_.s0, k)]);
   largest_ = *std::max_element(values_.begin(), values_.end());
+  return static_cast<double>(values_.size() * answers_.size());
 }
 
-void CellLikelihood::take(const LatticeRange& range, const ResponseLattice& responses, const ResponseLattice& beside) {
-  if (!range_.empty() && range_.holds(range)) return;
+double CellLikelihood::take(const LatticeRange& range, const ResponseLattice& responses, const ResponseLattice& beside) {
+  if (!range_.empty() && range_.holds(range)) return 0;
   range_ = range;
   shared_ = responses.shared();
   values_.resize(range_.nodes());
@@ -252,6 +268,7 @@ void CellLikelihood::take(const LatticeRange& range, const ResponseLattice& resp
   const double step = beside.steps().origin - responses.steps().origin;
   for (std::size_t i = 0; i < values_.size(); ++i) slopes_[i] = (slopes_[i] - values_[i]) / step;
   largest_ = *std::max_element(values_.begin(), values_.end());
+  return static_cast<double>(2 * values_.size() * answers_.size());
 }
 
 double CellLikelihood::weighted_sum(const LatticeRange& nodes, const std::vector<double>& weights,

@@ -5,6 +5,7 @@
 #include <compare>
 #include <cstddef>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "analysis/hierarchical/response_model.h"
@@ -82,6 +83,8 @@ class ResponseLattice {
   // From here on with these. Other lapses and over-dispersion cost little.
   void set_shared(const SharedParameters& shared);
   const QuestionTables& tables(std::size_t question) const noexcept { return tables_[question]; }
+  // What was computed since this was last asked, about in nanoseconds.
+  double worked() noexcept { return std::exchange(worked_, 0); }
 
  private:
   void lay_out_question(std::size_t i, const LatticeRange& before);
@@ -92,6 +95,7 @@ class ResponseLattice {
   LatticeSteps steps_;
   LatticeRange range_;
   std::vector<QuestionTables> tables_;  // by question
+  double worked_ = 0;
 };
 
 // The answers of one participant in one condition to one question.
@@ -105,9 +109,10 @@ class CellLikelihood {
  public:
   explicit CellLikelihood(std::vector<QuestionAnswers> answers) : answers_(std::move(answers)) {}
 
-  void cover(const LatticeRange& range, ResponseLattice& responses);
-  // Exactly these nodes, and the derivatives by the criterion, from responses a step of it beside.
-  void take(const LatticeRange& range, const ResponseLattice& responses, const ResponseLattice& beside);
+  // How many numbers were added up.
+  double cover(const LatticeRange& range, ResponseLattice& responses);
+  // Exactly these nodes, and the derivatives by the criterion, from responses a step of it beside. As many.
+  double take(const LatticeRange& range, const ResponseLattice& responses, const ResponseLattice& beside);
   const double* slope_at(int s, int k) const noexcept { return &slopes_[range_.place(s, k)]; }
   void forget() noexcept {
     range_ = {};
