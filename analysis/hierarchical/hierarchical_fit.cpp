@@ -535,17 +535,25 @@ const HierarchicalFit& HierarchicalAnalysis::complete(const HierarchicalWish& wi
   }
 }
 
-double HierarchicalAnalysis::drop_of(const HeldNumber& number, double value) {
-  return Profile(*search_, fit_.maximum, number).drop(value);
+template <typename Number>
+double HierarchicalAnalysis::drop_of(const Number& number, double value) {
+  for (int restart = 0;; ++restart) {
+    try {
+      return Profile(*search_, fit_.maximum, number()).drop(value);
+    } catch (const BetterMaximum& found) {
+      if (restart == kMostRestarts) return 0;
+      search_from(largest(form_, found.maximum, false));
+    }
+  }
 }
 
 double HierarchicalAnalysis::drop_of_mean(std::size_t condition, double mu) {
-  return kept(condition) ? drop_of(mean_number(condition), mu) : kNaN;
+  return kept(condition) ? drop_of([&] { return mean_number(condition); }, mu) : kNaN;
 }
 
 double HierarchicalAnalysis::drop_of_difference(std::size_t a, std::size_t b, double difference) {
   if (!kept(a) || !kept(b)) return kNaN;
-  if (effort_ == SearchEffort::thorough) return drop_of(difference_number(a, b), difference);
+  if (effort_ == SearchEffort::thorough) return drop_of([&] { return difference_number(a, b); }, difference);
   const auto [form, start] = difference_number(a, b).hold(difference, fit_.maximum);
   HierarchicalMaximum from = start;
   from.curvature.clear();

@@ -173,7 +173,8 @@ class HierarchicalAnalysis {
   std::vector<std::pair<std::size_t, std::size_t>> pairs() const;
 
   // How far ln L falls where the mean of a condition, or a difference of two, is held at a value: twice that is the
-  // likelihood-ratio statistic. NaN of a condition that is left out.
+  // likelihood-ratio statistic. NaN of a condition that is left out. A larger likelihood that this comes upon is the fit's
+  // from there on.
   double drop_of_mean(std::size_t condition, double mu);
   double drop_of_difference(std::size_t a, std::size_t b, double difference);
 
@@ -203,7 +204,8 @@ class HierarchicalAnalysis {
   HeldNumber criterion_number(std::size_t condition) const;
   HeldNumber difference_number(std::size_t a, std::size_t b) const;
   HeldNumber shared_number(SharedParameter which) const;
-  double drop_of(const HeldNumber& number, double value);
+  template <typename Number>
+  double drop_of(const Number& number, double value);
   std::vector<Task> tasks_of(const HierarchicalWish& wish);
   template <typename AtEnd>
   SlopeStatus status_of(double ln_s, double log_likelihood, const AtEnd& at_end) const;

@@ -294,7 +294,8 @@ HierarchicalForm HierarchicalForm::with_mean(std::size_t condition, double mean)
   HierarchicalForm form = *this;
   form.of[condition] = -1;
   form.offset[condition] = mean;
-  for (std::size_t c = condition + 1; c < of.size(); ++c) --form.of[c];
+  for (int& one : form.of)
+    if (one > of[condition]) --one;
   return form;
 }
 
