@@ -163,7 +163,8 @@ TEST_CASE("what the answers cannot tell has a status", "[hierarchical]") {
     cells.push_back({0, 5, 300, 0, 0});
     HierarchicalAnalysis analysis(cells, {}), without(others, {});
     const HierarchicalWish all{.intervals = true, .pairs = analysis.pairs()};
-    const HierarchicalFit &fit = analysis.complete(all), &less = without.complete({.intervals = true, .pairs = {{1, 0}}});
+    const HierarchicalFit &fit = analysis.complete(all),
+                          &less = without.complete({.intervals = true, .pairs = {{1, 0}}});
     constexpr std::array kTold = {SlopeStatus::perfect, SlopeStatus::ok,        SlopeStatus::one_answer,
                                   SlopeStatus::ok,      SlopeStatus::one_level, SlopeStatus::missing};
     for (std::size_t c = 0; c < kTold.size(); ++c) {
@@ -194,6 +195,7 @@ TEST_CASE("what the answers cannot tell has a status", "[hierarchical]") {
     CHECK(fit.maximum.converged);
     CHECK(fit.df == 0);
     CHECK(std::isnan(fit.differences[0].p));
+    CHECK(analysis.covariance().empty());
     CHECK(analysis.people()[0].status == SlopeStatus::perfect);
     CHECK(analysis.people()[1].status == SlopeStatus::missing);
   }
