@@ -195,15 +195,6 @@ class CalcHierarchical(program.Case):
         text = self.calc(lines, "--task", "same-different").stdout
         self.assertIn("no_sensitivity: the answers do not change with the level", text)
         self.assertNotIn("nan", text)
-        lines += [f"P{p},{name},{level},6,{k}" for p in range(4) for name, k in (("all", 6), ("step", level // 400 * 6))
-                  for level in (0, 200, 400)]
-        more = self.json_of(lines, "--task", "same-different", "--people")
-        self.assertEqual(more["status"], ["ok", "no_sensitivity", "one_answer", "perfect"])
-        self.assertEqual(more["jnd_ci"][3], [None, None])
-        self.assertAlmostEqual(more["loglik"], found["loglik"], delta=1e-6)
-        for one in more["mu_diff"][1:]:
-            self.assertEqual((one["ratio"], one["p"]), (None, None))
-        self.assertNotIn("nan", self.calc(lines, "--task", "same-different", "--people").stdout)
         alone = self.json_of([line for line in lines if line[:2] in ("pa", "P0")], "--task", "same-different")
         self.assertEqual([alone[key] for key in ("tu_status", "tv_status", "tw_status")], ["not_identified"] * 3)
 
