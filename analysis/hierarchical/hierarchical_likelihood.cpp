@@ -408,7 +408,7 @@ HierarchicalLikelihood::Evaluation HierarchicalLikelihood::prepared(const Hierar
     smooth_w = std::exp(*std::min_element(place.mu.begin(), place.mu.end()) - std::hypot(place.tu, place.tv));
   if (at.has_u) at.spacing_u = std::min(spacing * sd_u, kSmoothU / fineness_);
   if (at.has_w)
-    at.spacing_w = std::max(std::min(spacing * sd_w, smooth_w / fineness_), 2 * kFurthest * place.tw / kMostNodesW);
+    at.spacing_w = std::min(spacing * sd_w, std::max(smooth_w / fineness_, 2 * kFurthest * place.tw / kMostNodesW));
   for (const Person& person : people_) {
     const Rectangle box = rectangle_of(person, at);
     at.all = {std::min(at.all.u0, box.u0), std::max(at.all.u1, box.u1), std::min(at.all.w0, box.w0),

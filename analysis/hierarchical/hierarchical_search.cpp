@@ -292,10 +292,10 @@ HierarchicalForm HierarchicalForm::common(std::size_t conditions) {
 
 HierarchicalForm HierarchicalForm::with_mean(std::size_t condition, double mean) const {
   HierarchicalForm form = *this;
-  form.of[condition] = -1;
-  form.offset[condition] = mean;
   for (int& one : form.of)
     if (one > of[condition]) --one;
+  form.of[condition] = -1;
+  form.offset[condition] = mean;
   return form;
 }
 

@@ -85,21 +85,17 @@ BENCHMARK(fit)->Unit(benchmark::kMillisecond);
 
 void one_maximum(benchmark::State& state) {
   run(state, [](const std::vector<HierarchicalCell>& cells) {
-    HierarchicalLikelihood rough(cells, ResponseModel::yes_no, {}, kRoughFineness),
-        likelihood(cells, ResponseModel::yes_no, {});
-    HierarchicalMaximum truth;
-    truth.place = published_truth();
-    benchmark::DoNotOptimize(
-        maximise_by_way_of(rough, likelihood, HierarchicalForm::separate(3), truth).log_likelihood);
+    HierarchicalLikelihood likelihood(cells, ResponseModel::yes_no, {});
+    benchmark::DoNotOptimize(maximise(likelihood, HierarchicalForm::separate(3), published_truth()).log_likelihood);
   });
 }
 BENCHMARK(one_maximum)->Unit(benchmark::kMillisecond);
 
 void fit_of_a_drawn_study(benchmark::State& state) {
   run(state, [](const std::vector<HierarchicalCell>& cells) {
-    HierarchicalLikelihood likelihood(cells, ResponseModel::yes_no, {}, 0.75);
-    benchmark::DoNotOptimize(
-        maximise(likelihood, HierarchicalForm::separate(3), published_truth(), 1, 1e-3).log_likelihood);
+    const HierarchicalPlace truth = published_truth();
+    HierarchicalAnalysis analysis(cells, {}, SearchEffort::drawn, &truth);
+    benchmark::DoNotOptimize(analysis.equal_lr());
   });
 }
 BENCHMARK(fit_of_a_drawn_study)->Unit(benchmark::kMillisecond);

@@ -71,8 +71,8 @@ TEST_CASE("the bias of choices has a profile interval", "[hierarchical]") {
   const auto at = [&](int condition, double bias) {
     HierarchicalForm form = HierarchicalForm::separate(2);
     form.tv = fit.tv == SpreadStatus::ok;
-    form.held_criterion = condition;
     HierarchicalPlace start = fit.maximum.place;
+    form.held_criteria = {condition == 0, condition == 1};
     if (condition >= 0) start.kappa[static_cast<std::size_t>(condition)] = bias;
     return maximise(likelihood, form, start, 50);
   };
@@ -126,7 +126,7 @@ TEST_CASE("what the answers cannot tell has a status", "[hierarchical]") {
     for (HierarchicalCell& cell : cells) {
       const double n = cell.positive + cell.negative;
       if (cell.condition == 1) cell.positive = n / 2;
-      if (cell.condition == 2) cell.positive = cell.level > 0 ? n : 0;
+      if (cell.condition == 2 && cell.level > 0) cell.positive = n;
       cell.negative = n - cell.positive;
     }
     HierarchicalAnalysis analysis(cells, {});
@@ -143,6 +143,62 @@ TEST_CASE("what the answers cannot tell has a status", "[hierarchical]") {
       CHECK(one.p < 0.001);
     }
   }
+  SECTION("conditions whose counts tell that there is no JND are as if they were not there") {
+    std::vector<HierarchicalCell> cells, others;
+    for (const HierarchicalCell& drawn : published_study(6, 6)) {
+      if (drawn.condition < 2) others.push_back(drawn);
+      HierarchicalCell cell = drawn;
+      cell.condition = std::array{3, 1, 0}[static_cast<std::size_t>(drawn.condition)];
+      if (drawn.condition == 2) cell.positive = cell.level > 200 ? 6 : 0;
+      if (drawn.condition == 2) cell.negative = cell.level > 200 ? 0 : 18;
+      cells.push_back(cell);
+      cell.condition = 2;
+      cell.positive = 6;
+      cell.negative = 0;
+      cells.push_back(cell);
+      cell.condition = 4;
+      cell.negative = 6;
+      if (cell.level == 200) cells.push_back(cell);
+    }
+    cells.push_back({0, 5, 300, 0, 0});
+    HierarchicalAnalysis analysis(cells, {}), without(others, {});
+    const HierarchicalWish all{.intervals = true, .pairs = analysis.pairs()};
+    const HierarchicalFit &fit = analysis.complete(all),
+                          &less = without.complete({.intervals = true, .pairs = {{1, 0}}});
+    constexpr std::array kTold = {SlopeStatus::perfect, SlopeStatus::ok,        SlopeStatus::one_answer,
+                                  SlopeStatus::ok,      SlopeStatus::one_level, SlopeStatus::missing};
+    for (std::size_t c = 0; c < kTold.size(); ++c) {
+      CHECK(fit.conditions[c].status == kTold[c]);
+      if (kTold[c] == SlopeStatus::ok) continue;
+      CHECK(std::isnan(fit.conditions[c].mu));
+      CHECK(fit.conditions[c].ends.status == EndsStatus::not_computed);
+      CHECK(std::isnan(analysis.drop_of_mean(c, 5)));
+      CHECK(std::isnan(analysis.people()[c].mean));
+    }
+    CHECK(fit.maximum.log_likelihood == Approx(less.maximum.log_likelihood).margin(1e-6));
+    CHECK(fit.lr == Approx(less.lr).margin(1e-5));
+    CHECK(fit.df == 1);
+    CHECK(fit.conditions[3].ends.low == Approx(less.conditions[0].ends.low).margin(1e-4));
+    for (const ConditionDifference& one : fit.differences) {
+      if (one.a == 1 && one.b == 3) {
+        CHECK(one.ends.high == Approx(less.differences[0].ends.high).margin(1e-4));
+        CHECK(one.p == Approx(less.differences[0].p).margin(1e-5));
+      } else {
+        CHECK(std::isnan(one.difference));
+        CHECK(std::isnan(one.p));
+      }
+    }
+  }
+  SECTION("no condition is left") {
+    HierarchicalAnalysis analysis({{0, 0, 100, 0, 5}, {0, 0, 200, 5, 0}, {1, 1, 200, 5, 0}}, {});
+    const HierarchicalFit& fit = analysis.complete({.intervals = true, .shared = true, .pairs = analysis.pairs()});
+    CHECK(fit.maximum.converged);
+    CHECK(fit.df == 0);
+    CHECK(std::isnan(fit.differences[0].p));
+    CHECK(analysis.covariance().empty());
+    CHECK(analysis.people()[0].status == SlopeStatus::perfect);
+    CHECK(analysis.people()[1].status == SlopeStatus::missing);
+  }
   SECTION("somebody whose own answers have no JND has one among the others") {
     std::vector<HierarchicalCell> cells = published_study(8, 7);
     for (HierarchicalCell& cell : cells)
@@ -152,7 +208,7 @@ TEST_CASE("what the answers cannot tell has a status", "[hierarchical]") {
       }
     HierarchicalAnalysis analysis(cells, {});
     const PersonEstimate one = analysis.people()[9];
-    CHECK(one.status == SlopeStatus::ceiling);
+    CHECK(one.status == SlopeStatus::perfect);
     CHECK(std::isnan(one.alone));
     CHECK(std::isfinite(one.mean));
     CHECK(one.sd > 0);
@@ -162,6 +218,19 @@ TEST_CASE("what the answers cannot tell has a status", "[hierarchical]") {
     CHECK_THROWS_AS(HierarchicalAnalysis({}, {}), std::invalid_argument);
     CHECK_THROWS_AS(HierarchicalAnalysis({{0, 0, 0, 3, 4}}, {}), std::invalid_argument);
   }
+}
+
+TEST_CASE("the counts tell where there is no JND", "[hierarchical]") {
+  CHECK(counted_status({}) == SlopeStatus::missing);
+  CHECK(counted_status(std::vector<HierarchicalCell>{{0, 0, 300, 0, 0}}) == SlopeStatus::missing);
+  CHECK(counted_status(std::vector<HierarchicalCell>{{0, 0, 0, 0, 3}, {0, 0, 300, 0, 2}}) == SlopeStatus::one_answer);
+  CHECK(counted_status(std::vector<HierarchicalCell>{{0, 0, 300, 4, 0}}) == SlopeStatus::one_answer);
+  CHECK(counted_status(std::vector<HierarchicalCell>{{0, 0, 300, 4, 1}, {1, 0, 300, 2, 0}, {0, 0, 200, 0, 0}}) ==
+        SlopeStatus::one_level);
+  CHECK(counted_status(std::vector<HierarchicalCell>{{0, 0, 0, 0, 3}, {0, 0, 200, 1, 0}, {1, 0, 300, 2, 0}}) ==
+        SlopeStatus::perfect);
+  CHECK(counted_status(std::vector<HierarchicalCell>{{0, 0, 0, 1, 3}, {0, 0, 200, 1, 0}}) == SlopeStatus::ok);
+  CHECK(counted_status(std::vector<HierarchicalCell>{{0, 0, 0, 3, 0}, {0, 0, 200, 0, 1}}) == SlopeStatus::ok);
 }
 
 TEST_CASE("with one JND for all a small spread between people is not taken for 0", "[hierarchical]") {
@@ -185,7 +254,7 @@ TEST_CASE("a search that turned a long step down goes on to the maximum", "[hier
 TEST_CASE("slopes by small spreads are those of ln L, of rough likelihoods too", "[hierarchical]") {
   const std::vector<HierarchicalCell> cells = published_study(18, 603);
   const HierarchicalPlace best = HierarchicalAnalysis(cells, {}).fit().common.place;
-  for (const double fineness : {1.0, kRoughFineness})
+  for (const double fineness : {1.0, 0.75})
     for (double HierarchicalPlace::*const spread : {&HierarchicalPlace::tu, &HierarchicalPlace::tw}) {
       HierarchicalLikelihood likelihood(cells, ResponseModel::yes_no, {}, fineness);
       const auto at = [&](double value) {
