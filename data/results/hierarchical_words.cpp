@@ -92,6 +92,9 @@ std::vector<std::string> hierarchical_cautions(const HierarchicalFit& fit, const
         "numbers may be wrong.");
   if (pooled)
     out.push_back(fmt::format("Levels within 5 % of each other were pooled: {} to {}.", pooled.from, pooled.to));
+  if (std::none_of(fit.conditions.begin(), fit.conditions.end(),
+                   [](const ConditionMean& one) { return one.status == SlopeStatus::ok; }))
+    return out;
   if (fit.participants == 1) out.emplace_back("One participant: intervals and tests say nothing of anybody else.");
   if (fit.participants > 1 && fit.participants < kFewParticipants) {
     const IntervalCoverage &few = kIntervalCoverage[0], &more = kIntervalCoverage[1];

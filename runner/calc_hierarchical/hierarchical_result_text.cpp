@@ -19,8 +19,7 @@ namespace {
 using Align = TextTable::Align;
 
 std::string four_digits(double value) {
-  if (std::isnan(value)) return "-";
-  return std::isinf(value) ? "inf" : fmt::format("{:.4g}", value);
+  return std::isnan(value) ? "-" : fmt::format("{:.4g}", value);
 }
 
 std::string jnd_range(const ProfileEnds& ends) {
@@ -57,7 +56,8 @@ std::string conditions_text(const HierarchicalResult& result) {
     std::vector<std::string> row = {printable(result.answers.conditions[c]), four_digits(std::exp(one.mu)),
                                     jnd_range(one.ends)};
     if (standard > 0) row.push_back(percent_text(std::exp(one.mu) / standard));
-    row.push_back(result.choice() ? four_digits(standard + one.criterion) : number_text(one.criterion, 3));
+    const double pse = one.status == SlopeStatus::ok ? standard + one.criterion : kNaN;
+    row.push_back(result.choice() ? four_digits(pse) : number_text(one.criterion, 3));
     if (result.choice()) row.push_back(range_of(one.criterion_ends, standard));
     const bool of_jnd = one.ends.status != EndsStatus::ok;
     row.push_back(status_with_interval(word_of(kSlopeStatusWords, one.status),
@@ -92,7 +92,8 @@ std::string spreads_text(const HierarchicalResult& result) {
                   {Align::left, Align::right, Align::left, Align::left});
   const auto add = [&table](const char* name, double value, const char* of, SpreadStatus status) {
     if (status == SpreadStatus::not_asked) return;
-    table.add({name, four_digits(value), of, std::string(word_of(kSpreadStatusWords, status))});
+    table.add({name, status == SpreadStatus::not_identified ? "-" : four_digits(value), of,
+               std::string(word_of(kSpreadStatusWords, status))});
   };
   add("persons (tu)", place.tu, "ln JND", fit.tu);
   add("persons by condition (tv)", place.tv, "ln JND", fit.tv);
