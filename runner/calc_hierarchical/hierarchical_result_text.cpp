@@ -165,16 +165,17 @@ std::string people_text(const HierarchicalResult& result) {
   TextTable table({"participant", "condition", "JND", "sd of its ln", "from these answers alone", "status"},
                   {Align::left, Align::left, Align::right, Align::right, Align::right, Align::left});
   const std::size_t conditions = result.answers.conditions.size();
+  const bool alike = are_alike(result.fit.tu, result.fit.tv);
   for (std::size_t i = 0; i < result.people.size(); ++i) {
     const PersonEstimate& one = result.people[i];
     table.add({printable(result.answers.participants[i / conditions]),
                printable(result.answers.conditions[i % conditions]), four_digits(std::exp(one.mean)),
-               number_text(one.sd, 3), four_digits(std::exp(one.alone)),
+               number_text(alike ? kNaN : one.sd, 3), four_digits(std::exp(one.alone)),
                std::string(word_of(kSlopeStatusWords, one.status))});
   }
   return "\n" + table.text() +
          styled_lines("JND: given everybody's answers, which draws those with few answers towards the group.", dim) +
-         styled_lines(are_alike(result.fit.tu, result.fit.tv) ? kPeopleAlike : kPersonRange, dim);
+         styled_lines(alike ? kPeopleAlike : kPersonRange, dim);
 }
 
 std::string meanings_text(const HierarchicalResult& result) {
