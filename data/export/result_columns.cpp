@@ -55,8 +55,7 @@ void add_hierarchical_files(ResultFiles& files, const StudyHierarchical& model, 
   if (!model.variants.empty())
     files.add("hierarchical_variants.csv", hierarchical_variant_fields(protocol, kind),
               hierarchical_variant_rows(model));
-  if (model.status == HierarchicalStatus::ok)
-    files.add("hierarchical_people.csv", hierarchical_person_fields(protocol, kind), model.people);
+  if (model.fitted()) files.add("hierarchical_people.csv", hierarchical_person_fields(protocol, kind), model.people);
 }
 
 }  // namespace

@@ -17,7 +17,22 @@ namespace jnd {
 namespace {
 
 constexpr const char* kKindsCounted = "real pilot simulated";
-constexpr const char* kSlopeStatuses = "ok no_sensitivity ceiling missing";
+constexpr const char* kSlopeStatuses = "ok no_sensitivity ceiling missing one_answer one_level perfect";
+constexpr const char* kSlopeMeanings =
+    "; no_sensitivity: positive answers do not become more frequent as the level grows; ceiling: a step fits; missing: no "
+    "trials; one_answer: every answer is the same; one_level: every trial has the same level; perfect: all answers are "
+    "negative up to some level and positive above it";
+
+// Whether an interval was found: the ends are empty otherwise.
+template <typename Row, typename Get>
+Field<Row> ends_field(const char* key, const std::string& column, const Get& get) {
+  return Field<Row>(
+      key,
+      "whether that interval was found; not_computed: nobody asked, or there is no estimate; not_converged: "
+      "an end could not be confirmed; out_of_work: the search took too long",
+      [get](const Row& row) { return word_of(kEndsStatusWords, get(row)); },
+      {.column = column, .levels = "ok not_computed not_converged out_of_work"});
+}
 
 // "which": the criterion is where two stimuli feel alike.
 bool has_choices(const Protocol& protocol) {
@@ -57,21 +72,25 @@ std::string jnd_meaning(const Protocol& protocol) {
   return "";
 }
 
+std::optional<std::int64_t> pooled_count(const PooledLevels& levels, std::size_t count) {
+  return levels ? std::optional(static_cast<std::int64_t>(count)) : std::nullopt;
+}
+
 void add_spread(Fields<HierarchicalConditionRow>& fields, const std::string& key, const std::string& of,
                 HierarchicalSpread StudyHierarchical::*spread) {
   using R = HierarchicalConditionRow;
   fields.push_back(Field<R>(key, "standard deviation between people of " + of + "; empty where its status says why",
                             [spread](const R& r) { return (r.of->*spread).sd; }));
-  fields.push_back(Field<R>(key + "_status",
-                            "what that is; zero: the likelihood is largest at 0; not_identified: it takes several "
-                            "participants, or several conditions of one; not_asked: left out of the model, as where "
-                            "the PSE is taken as the standard; empty without a model",
-                            [spread](const R& r) {
-                              return r.of->status == HierarchicalStatus::ok
-                                         ? std::optional(word_of(kSpreadStatusWords, (r.of->*spread).status))
-                                         : std::nullopt;
-                            },
-                            {.levels = "ok zero not_identified not_asked"}));
+  fields.push_back(Field<R>(
+      key + "_status",
+      "what that is; zero: the likelihood is largest at 0; at_limit: as large as is searched, the "
+      "answers set no upper bound; not_identified: it takes several participants, or several "
+      "conditions of one; not_asked: left out of the model, as where "
+      "the PSE is taken as the standard; empty without a model",
+      [spread](const R& r) {
+        return r.of->fitted() ? std::optional(word_of(kSpreadStatusWords, (r.of->*spread).status)) : std::nullopt;
+      },
+      {.levels = "ok zero at_limit not_identified not_asked"}));
 }
 
 }  // namespace
@@ -118,6 +137,7 @@ Fields<HierarchicalConditionRow> hierarchical_fields(const Protocol& protocol, S
        F(
            "ci_high", "upper end; Inf where the answers leave it open", [](const R& r) { return r.one->ci_high; },
            in_study_unit(protocol, in_unit("jnd_ci95_high_", protocol))),
+       ends_field<R>("ci_status", "jnd_ci95_status", [](const R& r) { return r.one->ci_status; }),
        F("weber", has_standards(protocol) ? "that JND / standard" : "that JND / reference",
          [](const R& r) { return r.one->weber; }, {.title = "Weber", .shown = Shown::percent})});
   if (has_choices(protocol))
@@ -134,6 +154,7 @@ Fields<HierarchicalConditionRow> hierarchical_fields(const Protocol& protocol, S
          F(
              "pse_high", "upper end; Inf where the answers leave it open", [](const R& r) { return r.one->pse_high; },
              in_study_unit(protocol, in_unit("pse_ci95_high_", protocol))),
+         ends_field<R>("pse_status", "pse_ci95_status", [](const R& r) { return r.one->pse_status; }),
          F(
              "bias", "PSE less the standard", [](const R& r) { return r.one->criterion; },
              in_study_unit(protocol, in_unit("bias_", protocol), "bias " + unit))});
@@ -147,9 +168,22 @@ Fields<HierarchicalConditionRow> hierarchical_fields(const Protocol& protocol, S
               "stimuli (independent)",
         [](const R& r) { return r.one->criterion; }));
   fields.push_back(
-      F("status", "what the JND is; of all conditions why the model was not fitted",
+      F("status",
+        std::string(
+            "what the JND is; of all conditions why the model was not fitted, or not_converged: the search did not "
+            "settle, take no number from here") +
+            kSlopeMeanings,
         [](const R& r) { return status_word(*r.of, *r.one); },
-        {.levels = "ok no_sensitivity ceiling missing no_answers not_offered too_many_people not_converged"}));
+        {.levels = std::string(kSlopeStatuses) + " no_answers not_offered too_many_people not_converged"}));
+  fields.push_back(
+      F("exact",
+        "1; 0 if the log-likelihood still changes by more than 1e-6 when it is integrated more finely; empty "
+        "without a model",
+        [](const R& r) { return r.of->fitted() ? std::optional(r.of->exact) : std::nullopt; }, {.levels = "0 1"}));
+  fields.push_back(F("levels", "different levels before those within 5 % of each other were pooled; empty if none were",
+                     [](const R& r) { return pooled_count(r.of->gathered, r.of->gathered.from); }));
+  fields.push_back(F("levels_pooled", "different levels after that",
+                     [](const R& r) { return pooled_count(r.of->gathered, r.of->gathered.to); }));
   add_spread(fields, "sd_persons", "ln JND over persons", &StudyHierarchical::persons);
   add_spread(fields, "sd_persons_by_condition", "ln JND over conditions of a person", &StudyHierarchical::by_condition);
   if (has_choices(protocol))
@@ -187,10 +221,13 @@ Fields<HierarchicalRatio> hierarchical_ratio_fields(const Protocol& protocol, Se
                  F("ci_low", "lower end of its 95 % interval (profile likelihood); 0 where the answers leave it open",
                    &R::ci_low, {.column = "ci95_low"}),
                  F("ci_high", "upper end; Inf where the answers leave it open", &R::ci_high, {.column = "ci95_high"}),
-                 F("lr", "likelihood-ratio chi-square of a ratio of 1, 1 degree of freedom", &R::lr,
-                   {.title = "chi-square", .digits = 2}),
+                 ends_field<R>("ci_status", "ci95_status", [](const R& r) { return r.ci_status; }),
+                 F("lr",
+                   "likelihood-ratio chi-square of a ratio of 1, 1 degree of freedom; empty where the answers of a "
+                   "condition tell no JND, or the search took too long",
+                   &R::lr, {.title = "chi-square", .digits = 2}),
                  F("p", "its p, without correction for several ratios", &R::p, {.shown = Shown::p_value}),
-                 F("status", "ok, or no_jnd where a condition has none; the test is there all the same",
+                 F("status", "ok, or no_jnd where a condition has none",
                    [](const R& r) { return r.defined ? "ok" : "no_jnd"; }, {.levels = "ok no_jnd"})});
   return fields;
 }
@@ -287,6 +324,7 @@ Fields<HierarchicalVariantRow> hierarchical_variant_fields(const Protocol& proto
          [](const R& r) { return r.shared->ends.low; }, {.column = "estimate_ci95_low"}),
        F("estimate_high", "upper end; Inf: beyond what is searched", [](const R& r) { return r.shared->ends.high; },
          {.column = "estimate_ci95_high"}),
+       ends_field<R>("estimate_ci_status", "estimate_ci95_status", [](const R& r) { return r.shared->ends.status; }),
        F("lr", "likelihood-ratio chi-square of 0, 1 degree of freedom; empty of sureness",
          [](const R& r) { return r.shared->lr; }, {.title = "chi-square", .digits = 2}),
        F("p", "its p; of overdispersion and lapse, which cannot be below 0, half of it",
@@ -308,10 +346,11 @@ Fields<HierarchicalVariantRow> hierarchical_variant_fields(const Protocol& proto
        F(
            "ci_high", "upper end; Inf where the answers leave it open", [](const R& r) { return r.with->ci_high; },
            in_study_unit(protocol, in_unit("jnd_ci95_high_", protocol))),
+       ends_field<R>("ci_status", "jnd_ci95_status", [](const R& r) { return r.with->ci_status; }),
        F("width_ratio", "how many times as wide the interval of ln JND is as without this; empty where one is open",
          [](const R& r) { return r.width_ratio(); }, {.title = "times as wide", .digits = 2}),
-       F("jnd_status", "what that JND is", [](const R& r) { return word_of(kSlopeStatusWords, r.with->status); },
-         {.levels = kSlopeStatuses})});
+       F("jnd_status", std::string("what that JND is") + kSlopeMeanings,
+         [](const R& r) { return word_of(kSlopeStatusWords, r.with->status); }, {.levels = kSlopeStatuses})});
   return fields;
 }
 
@@ -339,8 +378,8 @@ Fields<HierarchicalPerson> hierarchical_person_fields(const Protocol& protocol, 
          "the JND from these answers alone by the observer of the hierarchical model; empty where its status "
          "says why",
          &R::alone, in_study_unit(protocol, in_unit("jnd_alone_", protocol), "by its observer")),
-       F("alone_status", "what that is", [](const R& r) { return word_of(kSlopeStatusWords, r.alone_status); },
-         {.levels = kSlopeStatuses}),
+       F("alone_status", std::string("what that is") + kSlopeMeanings,
+         [](const R& r) { return word_of(kSlopeStatusWords, r.alone_status); }, {.levels = kSlopeStatuses}),
        F("jnd",
          "the JND given everybody's answers, drawn towards the group's: exp of the mean of ln JND; empty where status "
          "says why",

@@ -235,6 +235,8 @@ std::vector<std::string> cautions_of(const StudyResults& results, const Protocol
   const bool tested = (outcome != nullptr && outcome->refused.empty()) || (results.groups && results.groups->tested());
   add_procedure_cautions(results, tested, protocol, out);
   if (outcome != nullptr) add_test_cautions(*outcome, protocol, out);
+  if (protocol.analysis.hierarchical && results.hierarchical)
+    out.insert(out.end(), results.hierarchical->cautions.begin(), results.hierarchical->cautions.end());
   if (results.groups && results.groups->tested() && results.groups->test == BetweenTest::mixed_anova &&
       results.groups->comparison.anova.unequal)
     out.emplace_back(

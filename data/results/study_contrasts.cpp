@@ -36,7 +36,12 @@ ContrastRow hierarchical_row(const Contrast& contrast, const StudyHierarchical& 
     return row;
   }
   row.difference.n = found->participants;
-  row.p = found->p;
+  if (model.status == HierarchicalStatus::ok)
+    row.p = found->p;
+  else
+    row.refused = model.reason;
+  if (row.refused.empty() && std::isnan(row.p))
+    row.refused = found->defined ? "the search for its test took too long" : "the answers of a condition tell no JND";
   if (!found->defined) return row;
   const double turned = found->a == contrast.a ? 1 : -1;
   row.difference.mean = turned * std::log(found->ratio);

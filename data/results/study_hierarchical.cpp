@@ -7,7 +7,6 @@
 
 #include <fmt/format.h>
 
-#include "analysis/hierarchical/pooled_levels.h"
 #include "protocols/planning/track_threshold.h"
 #include "protocols/tasks/posterior_model.h"
 
@@ -70,6 +69,7 @@ class StudyFit {
 
   void lay_out();
   std::string refusal();
+  std::vector<std::string> names() const;
   std::vector<HierarchicalCell> cells_of_fit() const;
   void add_spreads(const HierarchicalFit& fit);
   void set_conditions(std::vector<HierarchicalCondition>& rows, const std::vector<ConditionMean>& found) const;
@@ -140,6 +140,17 @@ std::string StudyFit::refusal() {
   return "";
 }
 
+// Of the conditions in the fit.
+std::vector<std::string> StudyFit::names() const {
+  std::vector<std::string> names;
+  for (const std::size_t row : fitted_rows_) {
+    const HierarchicalCondition& one = model_.conditions[row];
+    names.push_back(protocol_.conditions[static_cast<std::size_t>(one.condition)].name);
+    if (series_ > 1) names.back() += ", " + protocol_.series[static_cast<std::size_t>(one.series)].name;
+  }
+  return names;
+}
+
 std::vector<HierarchicalCell> StudyFit::cells_of_fit() const {
   std::vector<HierarchicalCell> cells;
   for (std::size_t i = 0; i < cells_.size(); ++i) {
@@ -168,8 +179,8 @@ std::vector<HierarchicalCell> StudyFit::cells_of_fit() const {
 }
 
 HierarchicalSpread spread_of(SpreadStatus status, double sd) {
-  const bool known = status == SpreadStatus::ok || status == SpreadStatus::zero;
-  return {status, known ? sd : kNaN};
+  const bool unknown = status == SpreadStatus::not_identified || status == SpreadStatus::not_asked;
+  return {status, unknown ? kNaN : sd};
 }
 
 void StudyFit::add_spreads(const HierarchicalFit& fit) {
@@ -188,6 +199,7 @@ void StudyFit::set_conditions(std::vector<HierarchicalCondition>& rows, const st
     one.jnd = jnd * std::exp(mean.mu);
     one.ci_low = jnd * std::exp(mean.ends.low);
     one.ci_high = jnd * std::exp(mean.ends.high);
+    one.ci_status = mean.ends.status;
     if (standard > 0) one.weber = one.jnd / standard;
     if (!choices()) one.criterion = mean.criterion;
     if (!choices() || model_.pse_at_standard || mean.status != SlopeStatus::ok) continue;
@@ -195,6 +207,7 @@ void StudyFit::set_conditions(std::vector<HierarchicalCondition>& rows, const st
     one.pse = standard + one.criterion;
     one.pse_low = standard + unit * mean.criterion_ends.low;
     one.pse_high = standard + unit * mean.criterion_ends.high;
+    one.pse_status = mean.criterion_ends.status;
   }
 }
 
@@ -206,6 +219,12 @@ void StudyFit::add_variants(const std::vector<HierarchicalCell>& cells, const Hi
     for (const HierarchicalCondition& row : model_.conditions)
       one.conditions.push_back({.condition = row.condition, .series = row.series, .participants = row.participants});
     set_conditions(one.conditions, found.conditions);
+    constexpr double kSignificant = 0.05;
+    if (found.kind == VariantKind::lapse && one.shared.front().p < kSignificant)
+      model_.cautions.push_back(fmt::format(
+          "Some answers are guesses: a share of {:.1f} % fits them better (p = {:.2g}). Unknown lapses of 5 % "
+          "make a JND 8 % too large.",
+          100 * one.shared.front().value, one.shared.front().p));
   }
 }
 
@@ -239,6 +258,7 @@ void StudyFit::add_ratios(const std::vector<ConditionDifference>& differences) {
     one.ratio = std::exp(found.difference);
     one.ci_low = std::exp(found.ends.low);
     one.ci_high = std::exp(found.ends.high);
+    one.ci_status = found.ends.status;
     one.lr = found.lr;
     one.p = found.p;
   }
@@ -275,24 +295,29 @@ StudyHierarchical StudyFit::fitted(std::string separate, bool given_levels) {
   of.shared.lapse = answer_model_.lapse;
   of.tw = !model_.pse_at_standard;
   std::vector<HierarchicalCell> answered = cells_of_fit();
-  model_.gathered = pool_levels(answered);
+  model_.gathered = pooled(answered);
   HierarchicalAnalysis fitted(without_halves_and_sureness(answered), of);
   const HierarchicalFit& fit = fitted.fit();
-  if (!fit.maximum.converged || (fit.df > 0 && !fit.common.converged)) {
-    model_.status = HierarchicalStatus::not_converged;
-    model_.reason = "the search for the largest likelihood did not settle";
-    return model_;
-  }
   const int processors = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   fitted.complete({.intervals = true, .pairs = pairs()}, processors);
+  if (!fit.maximum.converged) {
+    model_.status = HierarchicalStatus::not_converged;
+    model_.reason = "the search for the largest likelihood did not settle";
+  }
+  model_.exact = fit.exact;
+  model_.cautions = hierarchical_cautions(fit, names(), model_.gathered);
   add_spreads(fit);
   set_conditions(model_.conditions, fit.conditions);
   add_people(fitted.people());
   add_ratios(fit.differences);
-  const bool all_have_jnds = std::all_of(fit.conditions.begin(), fit.conditions.end(),
-                                         [](const ConditionMean& one) { return one.status == SlopeStatus::ok; });
+  const auto has = [&fit](auto... statuses) {
+    return std::any_of(fit.conditions.begin(), fit.conditions.end(),
+                       [&](const ConditionMean& one) { return (... || (one.status == statuses)); });
+  };
   const auto people = static_cast<std::size_t>(model_.participants);
-  if (all_have_jnds && people >= kLeastInVariants && people <= kMostInDetail) add_variants(answered, of);
+  if (has(SlopeStatus::ok) && !has(SlopeStatus::no_sensitivity, SlopeStatus::ceiling) && people >= kLeastInVariants &&
+      people <= kMostInDetail)
+    add_variants(answered, of);
   if (series_ > 1) return model_;
   model_.equal_lr = fit.lr;
   model_.equal_p = fit.p;
@@ -322,14 +347,26 @@ void add_level_counts(std::vector<LevelCount>& answers, const CellResult& cell, 
   }
 }
 
+JndStatus status_of(SlopeStatus alone) {
+  switch (alone) {
+    case SlopeStatus::ok:
+      return JndStatus::ok;
+    case SlopeStatus::no_sensitivity:
+      return JndStatus::no_sensitivity;
+    case SlopeStatus::ceiling:
+    case SlopeStatus::perfect:
+      return JndStatus::ceiling;
+    default:
+      return JndStatus::no_information;
+  }
+}
+
 // Where what is registered is no JND, the one by the model's own observer is each participant's.
 void take_alone(StudyHierarchical& model) {
   for (HierarchicalPerson& one : model.people) {
     if (one.alone_status == SlopeStatus::missing) continue;
     one.separate = one.alone;
-    one.separate_status = one.alone_status == SlopeStatus::ok               ? JndStatus::ok
-                          : one.alone_status == SlopeStatus::no_sensitivity ? JndStatus::no_sensitivity
-                                                                            : JndStatus::ceiling;
+    one.separate_status = status_of(one.alone_status);
   }
 }
 
@@ -430,8 +467,8 @@ std::string hierarchical_assumptions(const StudyHierarchical& model) {
 }
 
 std::string_view status_word(const StudyHierarchical& model, const HierarchicalCondition& row) noexcept {
-  return model.status == HierarchicalStatus::ok ? word_of(kSlopeStatusWords, row.status)
-                                                : word_of(kHierarchicalStatusWords, model.status);
+  return model.fitted() && row.status != SlopeStatus::ok ? word_of(kSlopeStatusWords, row.status)
+                                                         : word_of(kHierarchicalStatusWords, model.status);
 }
 
 std::size_t row_of(const StudyHierarchical& model, const Protocol& protocol, int condition, int series) noexcept {

@@ -15,13 +15,14 @@
 #include "analysis/numerics/special_values.h"
 #include "analysis/numerics/words.h"
 #include "data/results/adaptive_results.h"
+#include "data/results/hierarchical_words.h"
 #include "data/results/study_analysis.h"
 #include "data/task_results/task_results.h"
 #include "protocols/protocol.h"
 
 namespace jnd {
 
-// Of the model as a whole; where it is not ok nothing else is estimated.
+// Of the model as a whole; nothing else is estimated unless it is fitted().
 enum class HierarchicalStatus {
   ok,
   no_answers,       // no counted trial with different stimuli; of choices, none with another level
@@ -43,11 +44,13 @@ struct HierarchicalCondition {
   SlopeStatus status = SlopeStatus::missing;
   double jnd = kNaN;                     // of the median person, exp(mu) times what makes a JND of s; NaN unless ok
   double ci_low = kNaN, ci_high = kNaN;  // 95 % by profile likelihood; 0 or inf where the answers leave it open
-  double weber = kNaN;                   // jnd / standard; NaN of a standard of 0
+  EndsStatus ci_status = EndsStatus::not_computed;
+  double weber = kNaN;  // jnd / standard; NaN of a standard of 0
   // NaN where missing. Of choices it is the bias, PSE less the standard, in the study's unit; NaN unless the JND is ok, and
   // where it is taken as 0.
   double criterion = kNaN;
   double pse = kNaN, pse_low = kNaN, pse_high = kNaN;  // of choices, with its 95 % profile interval, which may be open
+  EndsStatus pse_status = EndsStatus::not_computed;
 };
 
 // JND of a / JND of b, of all pairs of conditions that have trials, at one standard.
@@ -57,7 +60,10 @@ struct HierarchicalRatio {
   int participants = 0;                                // with counted trials in both
   bool defined = false;                                // both have a JND; otherwise ratio and interval are NaN
   double ratio = kNaN, ci_low = kNaN, ci_high = kNaN;  // 95 % by profile likelihood, as above
-  double lr = kNaN, p = kNaN;  // likelihood-ratio test of a ratio of 1, chi-square with 1 degree of freedom
+  EndsStatus ci_status = EndsStatus::not_computed;
+  // Likelihood-ratio test of a ratio of 1, chi-square with 1 degree of freedom; NaN if a condition is left out, or the
+  // search took too long.
+  double lr = kNaN, p = kNaN;
 };
 
 // Standard deviation between people.
@@ -104,42 +110,36 @@ inline constexpr std::size_t kLeastInVariants = 5;
 
 struct StudyHierarchical {
   HierarchicalStatus status = HierarchicalStatus::no_answers;
-  std::string reason;                     // in words, where it is not ok
+  std::string reason;  // in words, where it is not ok
+  bool fitted() const noexcept {
+    return status == HierarchicalStatus::ok || status == HierarchicalStatus::not_converged;
+  }
+  std::vector<std::string> cautions;      // hierarchical_cautions(), and of lapses
+  bool exact = true;                      // HierarchicalFit::exact
   std::optional<ResponseModel> response;  // none where it is not offered
   double lapse = 0;
   bool pse_at_standard = false;    // of choices: taken as the standard (AnswerModel::pse_at_standard)
   bool several_standards = false;  // levels, and criteria of choices, count as shares of the standard
-  bool gathered = false;           // levels are pooled (pooled_levels.h)
-  std::string separate;            // how separate JNDs come about, for notes
-  int participants = 0;            // with counted trials
+  PooledLevels gathered;
+  std::string separate;  // how separate JNDs come about, for notes
+  int participants = 0;  // with counted trials
   std::int64_t trials = 0;
   std::vector<HierarchicalCondition> conditions;  // every one of the protocol, and standard of it
   std::vector<HierarchicalRatio> ratios;
   std::vector<HierarchicalPerson> people;    // by participant, condition that they get, standard
   HierarchicalSpread persons, by_condition;  // of ln JND: of persons, of persons by condition
   HierarchicalSpread criteria;               // of the criterion; of the PSE in the study's unit, or as shares
-  // The JNDs of all people in a condition are one: nothing else was found, or could be.
-  bool alike() const noexcept { return persons.status != SpreadStatus::ok && by_condition.status != SpreadStatus::ok; }
+  bool alike() const noexcept { return are_alike(persons.status, by_condition.status); }
   // One JND for all conditions, by likelihood ratio; df 0: there is no such test, nor of several standards.
   double equal_lr = kNaN, equal_p = kNaN;
   int equal_df = 0;
-  // By kind, what is offered of them; none where a condition has no JND, nor of fewer than kLeastInVariants participants or
-  // more than kMostInDetail.
+  // By kind, what is offered of them; none where the slope of a condition has no end, nor of fewer than kLeastInVariants
+  // participants or more than kMostInDetail.
   std::vector<HierarchicalVariant> variants;
   // Whether the model draws answers like these; the conditions of its rows are places in the protocol. None over
   // delivered differences, which hardly two people share, nor above kMostInDetail participants.
   std::optional<PredictiveCheck> check;
 };
-
-// What a model whose people are alike() says of them.
-inline constexpr std::string_view kPeopleAlike =
-    "The answers show no difference between people's JNDs: everybody's is the group's.";
-
-// What a range of a single person's JND holds: measured by hierarchical_calibration_bench.
-inline constexpr std::string_view kPersonRange =
-    "The sd beside a participant's shrunken JND takes the group's estimates as certain. So the range from JND / exp(1.96 sd) "
-    "to JND exp(1.96 sd) holds the true JND of 84 % (studies of 12 people) to 88 % (18 people) of simulated participants, "
-    "not of 95 %. Shrunken JNDs differ less than people do: do not test them against each other.";
 
 // What everyone who reads a number of it is told.
 std::string hierarchical_assumptions(const StudyHierarchical& model);
@@ -156,7 +156,7 @@ StudyHierarchical study_hierarchical(const TaskResults& results, const Protocol&
 // has no spread of criteria.
 void add_without_bias(std::vector<HierarchicalCell>& cells, HierarchicalCell cell);
 
-// Of a row: why nothing is estimated at all, else what its own JND is.
+// Of a row: why nothing is estimated at all, else why it has no JND, else whether the search settled.
 std::string_view status_word(const StudyHierarchical& model, const HierarchicalCondition& row) noexcept;
 
 // The row of a condition and standard, its place in StudyHierarchical::conditions.

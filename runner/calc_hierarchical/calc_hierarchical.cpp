@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <string>
 #include <thread>
 #include <utility>
@@ -16,6 +17,8 @@
 #include "runner/terminal/exit_code.h"
 #include "runner/terminal/json_output.h"
 #include "runner/terminal/progress_bar.h"
+#include "runner/terminal/terminal.h"
+#include "runner/terminal/work_line.h"
 
 namespace jnd {
 
@@ -39,6 +42,21 @@ std::vector<double> narrower_by(const HierarchicalResult& result) {
   return shares;
 }
 
+// Says which conditions without a JND have answers that fall with the level.
+std::vector<bool> falling_of(const HierarchicalResult& result) {
+  std::vector<bool> falling;
+  for (std::size_t c = 0; c < result.fit.conditions.size(); ++c) {
+    std::vector<AnsweredLevel> levels;
+    for (const HierarchicalCell& cell : result.answers.cells)
+      if (cell.condition == static_cast<int>(c))
+        levels.push_back(
+            {result.origin() + cell.level, std::llround(cell.counts().trials()), std::llround(cell.positive)});
+    const std::string name = result.fit.conditions.size() > 1 ? printable(result.answers.conditions[c]) : "";
+    falling.push_back(result.fit.conditions[c].status != SlopeStatus::ok && say_falling(std::move(levels), name));
+  }
+  return falling;
+}
+
 int hierarchical(const HierarchicalCommand& options) {
   HierarchicalResult result;
   result.model = hierarchical_model_of(options);
@@ -56,6 +74,7 @@ int hierarchical(const HierarchicalCommand& options) {
     if (of_sureness.has(which)) result.model.estimated = result.model.estimated.with(which);
   const int processors = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   const int threads = options.threads > 0 ? options.threads : processors;
+  std::optional<WorkLine> working(std::in_place, "fitting " + options.input.file);
   HierarchicalAnalysis analysis(result.answers.cells, result.model);
   result.fit = analysis.complete({.intervals = true, .shared = true, .pairs = analysis.pairs()}, threads);
   for (const SharedEstimate& one : result.fit.shared_estimates)
@@ -72,11 +91,12 @@ int hierarchical(const HierarchicalCommand& options) {
     found.shared = result.fit.maximum.shared;
     result.check = predictive_check(analysis.cells(), found, result.fit.maximum.place, options.check, options.seed);
   }
-  if (options.bootstrap > 0) {
+  working.reset();
+  result.falling = falling_of(result);
+  if (options.bootstrap > 0 && result.fit.df > 0) {
     ProgressBar bar("drawing studies", options.bootstrap);
-    result.bootstrap =
-        equality_bootstrap(result.answers.cells, result.model, result.fit, options.bootstrap, options.seed,
-                           threads, [&bar](int done) { bar.update(done); });
+    result.bootstrap = equality_bootstrap(result.answers.cells, result.model, result.fit, options.bootstrap,
+                                          options.seed, threads, [&bar](int done) { bar.update(done); });
   }
   if (options.input.json)
     fmt::print("{}\n", json_line(hierarchical_json(result)));

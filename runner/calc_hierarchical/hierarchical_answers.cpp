@@ -11,7 +11,6 @@
 
 #include <fmt/format.h>
 
-#include "analysis/hierarchical/pooled_levels.h"
 #include "protocols/input/csv_table.h"
 #include "protocols/input/input_error.h"
 #include "runner/calc/calc.h"
@@ -260,7 +259,7 @@ void refuse_empty(const HierarchicalCommand& options, const NamedAnswers& answer
 NamedAnswers named_answers(const HierarchicalCommand& options) {
   NamedAnswers answers = options.trials.trials ? trial_answers(options) : counted_answers(options);
   refuse_empty(options, answers);
-  answers.pooled = pool_levels(answers.cells);
+  answers.pooled = pooled(answers.cells);
   return answers;
 }
 

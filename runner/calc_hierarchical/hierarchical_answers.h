@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "analysis/hierarchical/hierarchical_fit.h"
+#include "data/results/hierarchical_words.h"
 #include "runner/calc/calc.h"
 #include "runner/calc/trials_input.h"
 
@@ -32,7 +33,7 @@ struct NamedAnswers {
   std::vector<HierarchicalCell> cells;
   std::optional<double> standard;
   bool graded = false;  // it was told which answers were sure
-  bool pooled = false;  // levels near each other count as one (pooled_levels.h)
+  PooledLevels pooled;
 
   int participant(const std::string& name) { return place(participants, name); }
   int condition(const std::string& name) { return place(conditions, name); }

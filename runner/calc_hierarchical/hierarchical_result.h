@@ -25,15 +25,12 @@ struct HierarchicalResult {
   std::optional<PredictiveCheck> check;
   std::vector<SharedEstimate> sureness;  // its criteria, below and above; empty where it was not told
   std::vector<double> narrower;          // by condition: see narrower_by()
+  std::vector<bool> falling;             // by condition: positive answers become rarer as the level grows
+  std::vector<std::string> cautions() const { return hierarchical_cautions(fit, answers.conditions, answers.pooled); }
 
   bool choice() const noexcept { return model.response == ResponseModel::choice; }
   double origin() const noexcept { return choice() ? answers.standard.value_or(0) : 0; }  // of the levels
 };
-
-// Of the model, and where there is a test of the one with one JND.
-inline bool settled(const HierarchicalFit& fit) {
-  return fit.maximum.converged && (fit.df == 0 || fit.common.converged);
-}
 
 nlohmann::ordered_json hierarchical_json(const HierarchicalResult& result);
 std::string hierarchical_text(const HierarchicalResult& result);

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -17,6 +18,18 @@ using nlohmann::ordered_json;
 ordered_json ends_json(const ProfileEnds& ends, bool as_ratio = false) {
   const auto number = [as_ratio](double end) { return json_number(as_ratio ? std::exp(end) : end); };
   return ordered_json::array({number(ends.low), number(ends.high)});
+}
+
+// By condition; with one JND for all conditions the first that has it.
+std::vector<ConditionMean> means_of(const HierarchicalResult& result, const HierarchicalFit& fit) {
+  if (!result.model.one_mean) return fit.conditions;
+  const auto found = std::find_if(fit.conditions.begin(), fit.conditions.end(),
+                                  [](const ConditionMean& one) { return !std::isnan(one.mu); });
+  return {found == fit.conditions.end() ? fit.conditions.front() : *found};
+}
+
+std::string_view word(const ProfileEnds& ends) {
+  return word_of(kEndsStatusWords, ends.status);
 }
 
 ordered_json people_json(const HierarchicalResult& result) {
@@ -43,6 +56,7 @@ ordered_json sureness_json(const HierarchicalResult& result) {
   for (const auto& [name, one] : {std::pair("below", result.sureness.at(0)), {"above", result.sureness.at(1)}}) {
     out[name] = json_number(one.value);
     out[fmt::format("{}_ci", name)] = ends_json(one.ends);
+    out[fmt::format("{}_ci_status", name)] = word(one.ends);
     out[fmt::format("{}_status", name)] = word_of(kSharedStatusWords, one.status);
   }
   ordered_json narrower = ordered_json::array();
@@ -58,6 +72,7 @@ ordered_json shared_json(const HierarchicalResult& result) {
                       {"status", word_of(kSharedStatusWords, one.status)},
                       {"value", json_number(one.value)},
                       {"ci", ends_json(one.ends)},
+                      {"ci_status", word(one.ends)},
                       {"lr", json_number(one.lr)},
                       {"p", json_number(one.p)}});
   return shared;
@@ -65,18 +80,21 @@ ordered_json shared_json(const HierarchicalResult& result) {
 
 ordered_json without_json(const HierarchicalResult& result) {
   const HierarchicalFit& fit = *result.without;
-  ordered_json mu = ordered_json::array(), jnd = mu, mu_ci = mu, jnd_ci = mu;
-  const std::size_t means = result.model.one_mean ? 1 : fit.conditions.size();
-  for (std::size_t c = 0; c < means; ++c) {
-    const ConditionMean& one = fit.conditions[c];
+  ordered_json mu = ordered_json::array(), jnd = mu, mu_ci = mu, jnd_ci = mu, ci_status = mu;
+  for (const ConditionMean& one : means_of(result, fit)) {
     mu.push_back(json_number(one.mu));
     jnd.push_back(json_number(std::exp(one.mu)));
     mu_ci.push_back(ends_json(one.ends));
     jnd_ci.push_back(ends_json(one.ends, true));
+    ci_status.push_back(word(one.ends));
   }
-  return {{"converged", settled(fit)}, {"loglik", json_number(fit.maximum.log_likelihood)},
-          {"mu", std::move(mu)},       {"group_jnd", std::move(jnd)},
-          {"mu_ci", std::move(mu_ci)}, {"jnd_ci", std::move(jnd_ci)}};
+  return {{"converged", fit.maximum.converged},
+          {"loglik", json_number(fit.maximum.log_likelihood)},
+          {"mu", std::move(mu)},
+          {"group_jnd", std::move(jnd)},
+          {"mu_ci", std::move(mu_ci)},
+          {"jnd_ci", std::move(jnd_ci)},
+          {"ci_status", std::move(ci_status)}};
 }
 
 }  // namespace
@@ -90,37 +108,49 @@ ordered_json hierarchical_json(const HierarchicalResult& result) {
   out["trials"] = std::llround(fit.trials);
   out["observer"] = word_of(kResponseModelWords, result.model.response);
   out["lapse"] = fit.maximum.shared.lapse;
-  out["converged"] = settled(fit);
+  out["converged"] = fit.maximum.converged;
+  out["exact"] = fit.exact;
+  out["pooled_levels"] = result.answers.pooled
+                             ? ordered_json::array({result.answers.pooled.from, result.answers.pooled.to})
+                             : ordered_json(nullptr);
+  out["cautions"] = result.cautions();
   out["loglik"] = json_number(fit.maximum.log_likelihood);
   if (result.without) {
     out["shared"] = shared_json(result);
     out["without"] = without_json(result);
   }
-  const std::size_t means = result.model.one_mean ? 1 : fit.conditions.size();
   ordered_json status = ordered_json::array(), mu = status, jnd = status, criteria = status, mu_ci = status,
-               jnd_ci = status;
+               jnd_ci = status, ci_status = status, criteria_ci = status, falling = status;
   for (std::size_t c = 0; c < fit.conditions.size(); ++c) {
     const ConditionMean& one = fit.conditions[c];
+    falling.push_back(static_cast<bool>(result.falling[c]));
+    criteria_ci.push_back(ends_json(one.criterion_ends));
     criteria.push_back(json_number(one.criterion));
-    if (c >= means) continue;
+  }
+  for (const ConditionMean& one : means_of(result, fit)) {
     status.push_back(word_of(kSlopeStatusWords, one.status));
     mu.push_back(json_number(one.mu));
     jnd.push_back(json_number(std::exp(one.mu)));
     mu_ci.push_back(ends_json(one.ends));
     jnd_ci.push_back(ends_json(one.ends, true));
+    ci_status.push_back(word(one.ends));
   }
   out["status"] = std::move(status);
+  out["falling"] = std::move(falling);
   out["mu"] = std::move(mu);
   out["group_jnd"] = std::move(jnd);
   out[result.choice() ? "alpha" : "kappa"] = std::move(criteria);
+  if (result.choice()) out["alpha_ci"] = std::move(criteria_ci);
   out["tu"] = place.tu;
   out["tv"] = place.tv;
   out["tw"] = place.tw;
   out["rho"] = result.model.rho ? json_number(place.rho) : ordered_json(nullptr);
-  for (const auto& [name, one] : {std::pair{"tu_status", fit.tu}, {"tv_status", fit.tv}, {"tw_status", fit.tw}})
+  for (const auto& [name, one] :
+       {std::pair{"tu_status", fit.tu}, {"tv_status", fit.tv}, {"tw_status", fit.tw}, {"rho_status", fit.rho}})
     out[name] = word_of(kSpreadStatusWords, one);
   out["sureness"] = sureness_json(result);
   if (fit.df > 0) {
+    out["converged_equal_mu"] = fit.common.converged;
     out["loglik_equal_mu"] = json_number(fit.common.log_likelihood);
     out["lr_equal_mu"] = json_number(fit.lr);
     out["df"] = fit.df;
@@ -133,6 +163,7 @@ ordered_json hierarchical_json(const HierarchicalResult& result) {
                         {"p_equal_mu", result.bootstrap->p}};
   out["mu_ci"] = std::move(mu_ci);
   out["jnd_ci"] = std::move(jnd_ci);
+  out["ci_status"] = std::move(ci_status);
   ordered_json differences = ordered_json::array();
   for (const ConditionDifference& one : fit.differences)
     differences.push_back({{"a", one.a + 1},
@@ -141,10 +172,12 @@ ordered_json hierarchical_json(const HierarchicalResult& result) {
                            {"ci", ends_json(one.ends)},
                            {"ratio", json_number(std::exp(one.difference))},
                            {"ratio_ci", ends_json(one.ends, true)},
+                           {"ci_status", word(one.ends)},
                            {"lr", json_number(one.lr)},
                            {"p", json_number(one.p)}});
   out["mu_diff"] = std::move(differences);
   out["people"] = people_json(result);
+  out["people_note"] = kPersonRange;
   if (result.check) out["check"] = predictive_json(*result.check, result.answers.conditions, result.origin());
   return out;
 }

@@ -19,13 +19,17 @@ namespace {
 using Align = TextTable::Align;
 
 std::string four_digits(double value) {
-  if (std::isnan(value)) return "-";
-  return std::isinf(value) ? "inf" : fmt::format("{:.4g}", value);
+  return std::isnan(value) ? "-" : fmt::format("{:.4g}", value);
 }
 
 std::string jnd_range(const ProfileEnds& ends) {
   if (std::isnan(ends.low)) return "-";
   return range_text(four_digits(std::exp(ends.low)), four_digits(std::exp(ends.high)));
+}
+
+std::string range_of(const ProfileEnds& ends, double origin = 0) {
+  if (std::isnan(ends.low)) return "-";
+  return range_text(four_digits(origin + ends.low), four_digits(origin + ends.high));
 }
 
 std::string conditions_text(const HierarchicalResult& result) {
@@ -41,6 +45,10 @@ std::string conditions_text(const HierarchicalResult& result) {
                                                                              : "criterion");
   header.emplace_back("status");
   align.push_back(Align::right);
+  if (result.choice()) {
+    header.insert(header.end() - 1, "95 % profile");
+    align.push_back(Align::right);
+  }
   align.push_back(Align::left);
   TextTable table(header, align);
   for (std::size_t c = 0; c < result.fit.conditions.size(); ++c) {
@@ -48,8 +56,12 @@ std::string conditions_text(const HierarchicalResult& result) {
     std::vector<std::string> row = {printable(result.answers.conditions[c]), four_digits(std::exp(one.mu)),
                                     jnd_range(one.ends)};
     if (standard > 0) row.push_back(percent_text(std::exp(one.mu) / standard));
-    row.push_back(result.choice() ? four_digits(standard + one.criterion) : number_text(one.criterion, 3));
-    row.emplace_back(word_of(kSlopeStatusWords, one.status));
+    const double pse = one.status == SlopeStatus::ok ? standard + one.criterion : kNaN;
+    row.push_back(result.choice() ? four_digits(pse) : number_text(one.criterion, 3));
+    if (result.choice()) row.push_back(range_of(one.criterion_ends, standard));
+    const bool of_jnd = one.ends.status != EndsStatus::ok;
+    row.push_back(status_with_interval(word_of(kSlopeStatusWords, one.status),
+                                       of_jnd ? one.ends.status : one.criterion_ends.status));
     table.add(row);
   }
   return table.text();
@@ -57,13 +69,14 @@ std::string conditions_text(const HierarchicalResult& result) {
 
 std::string differences_text(const HierarchicalResult& result) {
   if (result.fit.differences.empty()) return "";
-  TextTable table({"conditions", "ratio of JNDs", "95 % profile", "chi-square", "p"},
-                  {Align::left, Align::right, Align::right, Align::right, Align::right});
+  TextTable table({"conditions", "ratio of JNDs", "95 % profile", "chi-square", "p", ""},
+                  {Align::left, Align::right, Align::right, Align::right, Align::right, Align::left});
   for (const ConditionDifference& one : result.fit.differences)
     table.add({printable(result.answers.conditions[one.a] + " : " + result.answers.conditions[one.b]),
                number_text(std::exp(one.difference), 3), range_text(std::exp(one.ends.low), std::exp(one.ends.high), 3),
-               number_text(one.lr, 2), p_value_text(one.p)});
+               number_text(one.lr, 2), p_value_text(one.p), status_with_interval("", one.ends.status)});
   std::string text = "\n" + table.text();
+  if (result.fit.df == 0) return text;
   text += fmt::format("One JND for all conditions: chi-square {} with {} df, p {}.\n", number_text(result.fit.lr, 2),
                       result.fit.df, p_value_text(result.fit.p));
   if (result.bootstrap)
@@ -79,13 +92,16 @@ std::string spreads_text(const HierarchicalResult& result) {
                   {Align::left, Align::right, Align::left, Align::left});
   const auto add = [&table](const char* name, double value, const char* of, SpreadStatus status) {
     if (status == SpreadStatus::not_asked) return;
-    table.add({name, four_digits(value), of, std::string(word_of(kSpreadStatusWords, status))});
+    table.add({name, status == SpreadStatus::not_identified ? "-" : four_digits(value), of,
+               std::string(word_of(kSpreadStatusWords, status))});
   };
   add("persons (tu)", place.tu, "ln JND", fit.tu);
   add("persons by condition (tv)", place.tv, "ln JND", fit.tv);
   add(result.choice() ? "PSE (tw)" : "criterion (tw)", place.tw, result.choice() ? "the level's unit" : "z", fit.tw);
   std::string text = "\n" + table.text();
-  if (result.model.rho) text += fmt::format("Correlation of the first and the last: {}.\n", number_text(place.rho, 3));
+  if (result.model.rho)
+    text += fmt::format("Correlation of the first and the last: {} ({}).\n", number_text(place.rho, 3),
+                        word_of(kSpreadStatusWords, fit.rho));
   return text;
 }
 
@@ -95,9 +111,9 @@ std::string shared_text(const HierarchicalResult& result) {
   TextTable table({"the same for everybody", "", "95 % profile", "chi-square", "p", "status"},
                   {Align::left, Align::right, Align::right, Align::right, Align::right, Align::left});
   for (const SharedEstimate& one : result.shared)
-    table.add({std::string(title_of(one.parameter, result.choice())), four_digits(one.value),
-               std::isnan(one.ends.low) ? "-" : range_text(four_digits(one.ends.low), four_digits(one.ends.high)),
-               number_text(one.lr, 2), p_value_text(one.p), std::string(word_of(kSharedStatusWords, one.status))});
+    table.add({std::string(title_of(one.parameter, result.choice())), four_digits(one.value), range_of(one.ends),
+               number_text(one.lr, 2), p_value_text(one.p),
+               status_with_interval(word_of(kSharedStatusWords, one.status), one.ends.status)});
   TextTable means({"condition", "JND", "95 % profile", "without these", "95 % profile"},
                   {Align::left, Align::right, Align::right, Align::right, Align::right});
   for (std::size_t c = 0; c < result.fit.conditions.size(); ++c) {
@@ -109,7 +125,7 @@ std::string shared_text(const HierarchicalResult& result) {
                      dim("chi-square, p: of none. A share and a correlation cannot be below 0: p is half of that of "
                          "chi-square.") +
                      "\n\n" + means.text();
-  if (!settled(*result.without)) text += warn("Without these the search did not settle.") + "\n";
+  if (!result.without->maximum.converged) text += warn("Without these the search did not settle.") + "\n";
   return text;
 }
 
@@ -118,9 +134,8 @@ std::string sureness_text(const HierarchicalResult& result) {
   TextTable table({"criteria of sureness", "from the criterion", "95 % profile", "status"},
                   {Align::left, Align::right, Align::right, Align::left});
   for (const SharedEstimate& one : result.sureness)
-    table.add({std::string(title_of(one.parameter, false)), number_text(one.value, 3),
-               std::isnan(one.ends.low) ? "-" : range_text(four_digits(one.ends.low), four_digits(one.ends.high)),
-               std::string(word_of(kSharedStatusWords, one.status))});
+    table.add({std::string(title_of(one.parameter, false)), number_text(one.value, 3), range_of(one.ends),
+               status_with_interval(word_of(kSharedStatusWords, one.status), one.ends.status)});
   std::string text = "\n" + table.text();
   for (std::size_t c = 0; c < result.narrower.size(); ++c)
     text += fmt::format("{}{} {}", c == 0 ? "Intervals of ln JND narrower than without the sureness: " : ", ",
@@ -138,43 +153,40 @@ std::string assumptions_of(const HierarchicalResult& result) {
   return std::string(kHierarchicalAssumptions);
 }
 
+template <typename Style>
+std::string styled_lines(std::string_view words, const Style& style) {
+  constexpr std::size_t kColumns = 104;
+  std::string text;
+  for (const std::string& line : wrapped_words(std::string(words), kColumns)) text += style(line) + "\n";
+  return text;
+}
+
 std::string people_text(const HierarchicalResult& result) {
-  TextTable table({"participant", "condition", "JND", "68 % of it", "from these answers alone", "status"},
+  TextTable table({"participant", "condition", "JND", "sd of its ln", "from these answers alone", "status"},
                   {Align::left, Align::left, Align::right, Align::right, Align::right, Align::left});
   const std::size_t conditions = result.answers.conditions.size();
+  const bool alike = are_alike(result.fit.tu, result.fit.tv);
   for (std::size_t i = 0; i < result.people.size(); ++i) {
     const PersonEstimate& one = result.people[i];
     table.add({printable(result.answers.participants[i / conditions]),
                printable(result.answers.conditions[i % conditions]), four_digits(std::exp(one.mean)),
-               range_text(four_digits(std::exp(one.mean - one.sd)), four_digits(std::exp(one.mean + one.sd))),
-               four_digits(std::exp(one.alone)), std::string(word_of(kSlopeStatusWords, one.status))});
+               number_text(alike ? kNaN : one.sd, 3), four_digits(std::exp(one.alone)),
+               std::string(word_of(kSlopeStatusWords, one.status))});
   }
   return "\n" + table.text() +
-         dim("JND: given everybody's answers, at the group's estimates, which draws those with few answers towards the\n"
-             "group; its range does not say how uncertain the group's estimates are.") +
-         "\n";
+         styled_lines("JND: given everybody's answers, which draws those with few answers towards the group.", dim) +
+         styled_lines(alike ? kPeopleAlike : kPersonRange, dim);
 }
 
 std::string meanings_text(const HierarchicalResult& result) {
-  const auto any = [&result](SlopeStatus status) {
-    return std::any_of(result.fit.conditions.begin(), result.fit.conditions.end(),
-                       [status](const ConditionMean& one) { return one.status == status; });
-  };
   std::string text;
-  if (any(SlopeStatus::no_sensitivity))
-    text +=
-        warn("no_sensitivity: the answers do not change with the level; there is no JND within 12 times the levels.") +
-        "\n";
-  if (any(SlopeStatus::ceiling))
-    text += warn("ceiling: a step fits; the JND is below a twelfth of what the levels differ by.") + "\n";
+  for (const std::string& one : result.cautions()) text += styled_lines(printable(one), warn);
   if (std::any_of(result.sureness.begin(), result.sureness.end(),
                   [](const SharedEstimate& one) { return one.status == SharedStatus::not_identified; }))
     text +=
         warn(
             "not_identified, of sureness: nobody gave both answers, sure and unsure, on that side; they count as one.") +
         "\n";
-  if (!settled(result.fit))
-    text += warn("The search for the largest likelihood did not settle: take no number from here.") + "\n";
   return text;
 }
 
@@ -199,9 +211,7 @@ std::string hierarchical_text(const HierarchicalResult& result) {
   text += differences_text(result) + spreads_text(result) + sureness_text(result) + shared_text(result);
   if (!result.people.empty()) text += people_text(result);
   if (result.check) text += predictive_text(*result.check, result.answers.conditions, result.origin());
-  constexpr std::size_t kColumns = 104;
-  for (const std::string& line : wrapped_words(assumptions_of(result), kColumns)) text += dim(line) + "\n";
-  return text + meanings_text(result);
+  return text + styled_lines(assumptions_of(result), dim) + meanings_text(result);
 }
 
 }  // namespace jnd

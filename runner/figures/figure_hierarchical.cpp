@@ -23,8 +23,7 @@ constexpr double kEdgeRoom = 12;  // of an arrow from the frame
 constexpr double kSeparateAt = -0.28, kShrunkenAt = 0.06, kGroupAt = 0.32;
 
 const StudyHierarchical* model_of(const StudyResults& results) {
-  return results.hierarchical && results.hierarchical->status == HierarchicalStatus::ok ? &*results.hierarchical
-                                                                                        : nullptr;
+  return results.hierarchical && results.hierarchical->fitted() ? &*results.hierarchical : nullptr;
 }
 
 bool is_drawn(const HierarchicalPerson& person) {
@@ -98,7 +97,9 @@ std::string group_words(const HierarchicalCondition& row, const Protocol& protoc
   const std::string name = row_name(row, protocol);
   if (row.status != SlopeStatus::ok) return fmt::format("{}: {}", name, word_of(kSlopeStatusWords, row.status));
   return fmt::format("{}: group {} {}, 95 % interval {}", name, jnd_text(row.jnd, protocol), unit_of(protocol),
-                     range_text(jnd_text(row.ci_low, protocol), jnd_text(row.ci_high, protocol)));
+                     row.ci_status == EndsStatus::ok
+                         ? range_text(jnd_text(row.ci_low, protocol), jnd_text(row.ci_high, protocol))
+                         : std::string(word_of(kEndsStatusWords, row.ci_status)));
 }
 
 class ShrinkageDrawing {
@@ -185,7 +186,7 @@ void ShrinkageDrawing::draw_group(Svg& svg, const HierarchicalCondition& row) co
   const double x = middle(row) + kGroupAt * slot_;
   svg.begin("mean", group_words(row, protocol_));
   if (row.status == SlopeStatus::ok) {
-    svg.line(x, scale_.clipped(row.ci_low), x, scale_.clipped(row.ci_high), kInk);
+    if (row.ci_status == EndsStatus::ok) svg.line(x, scale_.clipped(row.ci_low), x, scale_.clipped(row.ci_high), kInk);
     for (const double end : {row.ci_low, row.ci_high})  // an open end has no cap
       if (scale_.inside(end)) svg.line(x - 5, scale_.at(end), x + 5, scale_.at(end), kInk);
     svg.circle(x, scale_.clipped(row.jnd), 5, kInkFill);
@@ -218,7 +219,10 @@ Svg ShrinkageDrawing::drawn(const std::string& id, const std::string& title, con
 std::string ratio_numbers(const HierarchicalRatio& row) {
   const std::string p = fmt::format("p = {}", p_value_text(row.p));
   if (!row.defined) return "no ratio, " + p;
-  return fmt::format("{} ({}), {}", number_text(row.ratio, 2), range_text(row.ci_low, row.ci_high, 2), p);
+  const std::string interval = row.ci_status == EndsStatus::ok
+                                   ? range_text(row.ci_low, row.ci_high, 2)
+                                   : "interval " + std::string(word_of(kEndsStatusWords, row.ci_status));
+  return fmt::format("{} ({}), {}", number_text(row.ratio, 2), interval, p);
 }
 
 }  // namespace
@@ -239,10 +243,11 @@ std::vector<Figure> hierarchical_figures(const StudyResults& results, const Prot
   const std::string caption = fmt::format(
       "Each participant's separate {} ({}), joined to the one given everybody's answers, which is drawn towards the "
       "group as far as the participant's answers are few; beside them that of the median person with its 95 % "
-      "profile interval, by the hierarchical model of {} participants. The axis is logarithmic. An arrow at the edge "
+      "profile interval, by the hierarchical model of {} participants{}. The axis is logarithmic. An arrow at the edge "
       "is a separate estimate without a JND, or beyond the scale; a cross one without information. {}{}{}",
-      jnd_title(protocol), model->separate, model->participants, alike ? std::string(kPeopleAlike) + " " : "",
-      hierarchical_assumptions(*model),
+      jnd_title(protocol), model->separate, model->participants,
+      model->status == HierarchicalStatus::ok ? "" : " (" + model->reason + ")",
+      alike ? std::string(kPeopleAlike) + " " : "", hierarchical_assumptions(*model),
       first_of(std::min(kMostPeopleDrawn, static_cast<std::size_t>(model->participants)),
                static_cast<std::size_t>(model->participants)));
   return {{id, title, caption, ShrinkageDrawing(*model, people, protocol, range, false).drawn(id, title, description),

@@ -1,5 +1,6 @@
 // The tables and the JSON of the hierarchical model.
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -18,9 +19,9 @@ using Json = nlohmann::ordered_json;
 
 // "0.24 between persons (ln JND)", or why there is no number.
 std::string spread_text(const HierarchicalSpread& spread, const char* of) {
-  return spread.status == SpreadStatus::ok || spread.status == SpreadStatus::zero
-             ? fmt::format("{} {}", number_text(spread.sd, 2), of)
-             : fmt::format("not identified {}", of);
+  if (std::isnan(spread.sd)) return fmt::format("not identified {}", of);
+  return fmt::format("{}{} {}", spread.status == SpreadStatus::at_limit ? "at_limit " : "", number_text(spread.sd, 2),
+                     of);
 }
 
 bool is_choice(const StudyHierarchical& model) {
@@ -82,12 +83,9 @@ ResultTable hierarchical_table(const StudyResults& results, const Protocol& prot
   if (!results.hierarchical || results.hierarchical->people.empty()) return table;
   const StudyHierarchical& model = *results.hierarchical;
   table.note =
-      fmt::format("one model of everybody's answers{}; {}: of the median person, with 95 % profile likelihood; {}{}",
+      fmt::format("one model of everybody's answers{}; {}: of the median person, with 95 % profile likelihood; {}",
                   observer_words(model, protocol), jnd_title(protocol),
-                  protocol.analysis.hierarchical ? "registered for the contrasts" : "not registered",
-                  model.gathered ? fmt::format("; {} within 5 % of each other count at their mean",
-                                               protocol.design.procedure ? "levels" : "delivered differences")
-                                 : "");
+                  protocol.analysis.hierarchical ? "registered for the contrasts" : "not registered");
   const TableMaker of(hierarchical_fields(protocol, attendance_of(results).kind));
   using Row = HierarchicalConditionRow;
   std::vector<TableColumn<Row>> columns = {of("condition")};
@@ -97,9 +95,12 @@ ResultTable hierarchical_table(const StudyResults& results, const Protocol& prot
     columns.push_back(of("criterion", model.response == ResponseModel::differencing ? "ln tau" : "criterion"));
   else if (!model.pse_at_standard)
     columns.insert(columns.end(), {of("pse"), of.range("pse_low", "pse_high")});
-  columns.push_back(of("status"));
+  columns.push_back(of.words("status", [&of](const Row& row) {
+    const EndsStatus interval = row.one->ci_status == EndsStatus::ok ? row.one->pse_status : row.one->ci_status;
+    return status_with_interval(of.text("status", row), interval);
+  }));
   table = of(std::move(table), columns, hierarchical_rows(model));
-  if (model.status != HierarchicalStatus::ok) {
+  if (!model.fitted()) {
     table.footnotes.push_back("no model: " + model.reason);
     return table;
   }
@@ -107,8 +108,9 @@ ResultTable hierarchical_table(const StudyResults& results, const Protocol& prot
   table.footnotes.push_back(
       fmt::format("standard deviation between people: {}; {}{}", spread_text(model.persons, "of ln JND"),
                   spread_text(model.by_condition, "of ln JND by condition"), criteria_text(model, protocol)));
-  if (model.participants == 1)
-    table.footnotes.emplace_back("one participant: intervals and tests say nothing of anybody else");
+  for (const std::string& one : model.cautions)  // those of a registered model are said of the study
+    if (std::find(results.cautions.begin(), results.cautions.end(), one) == results.cautions.end())
+      table.footnotes.push_back(one);
   table.footnotes.push_back(hierarchical_assumptions(model));
   return table;
 }
@@ -123,8 +125,10 @@ ResultTable hierarchical_ratios_table(const StudyResults& results, const Protoco
   std::vector<TableColumn<Row>> columns = {
       of.words("conditions", [&](const Row& row) { return of.text("a", row) + " : " + of.text("b", row); })};
   if (shows_standards(protocol)) columns.push_back(of("standard"));
-  columns.insert(columns.end(),
-                 {of("participants"), of("ratio"), of.range("ci_low", "ci_high"), of("lr"), of("p"), of("status")});
+  columns.insert(columns.end(), {of("participants"), of("ratio"), of.range("ci_low", "ci_high"), of("lr"), of("p"),
+                                 of.words("status", [&of](const Row& row) {
+                                   return status_with_interval(of.text("status", row), row.ci_status);
+                                 })});
   return of(std::move(table), columns, results.hierarchical->ratios);
 }
 
@@ -170,7 +174,10 @@ ResultTable hierarchical_variants_table(const StudyResults& results, const Proto
   };
   return of(std::move(table),
             {of.words("left out", title), of("estimate"), of.range("estimate_low", "estimate_high"), of("lr"), of("p"),
-             of("status")},
+             of.words("status",
+                      [&of](const Row& row) {
+                        return status_with_interval(of.text("status", row), row.shared->ends.status);
+                      })},
             rows);
 }
 
@@ -187,14 +194,16 @@ ResultTable hierarchical_variant_jnds_table(const StudyResults& results, const P
   });
   std::vector<TableColumn<Row>> columns = {of("variant"), of("condition")};
   if (shows_standards(protocol)) columns.push_back(of("standard"));
-  columns.insert(columns.end(),
-                 {of("jnd"), of.range("ci_low", "ci_high"), of("width_ratio"), of("jnd_status", "status")});
+  columns.insert(columns.end(), {of("jnd"), of.range("ci_low", "ci_high"), of("width_ratio"),
+                                 of.words("status", [&of](const Row& row) {
+                                   return status_with_interval(of.text("jnd_status", row), row.with->ci_status);
+                                 })});
   return of(std::move(table), columns, rows);
 }
 
 ResultTable hierarchical_people_table(const StudyResults& results, const Protocol& protocol) {
   ResultTable table{"hierarchical-people", "Participants by the hierarchical model", "", {}, {}, {}};
-  if (!results.hierarchical || results.hierarchical->status != HierarchicalStatus::ok) return table;
+  if (!results.hierarchical || !results.hierarchical->fitted()) return table;
   const StudyHierarchical& model = *results.hierarchical;
   const std::string jnd = jnd_title(protocol);
   table.note = fmt::format(
@@ -233,11 +242,15 @@ ResultTable hierarchical_people_table(const StudyResults& results, const Protoco
 }
 
 Json hierarchical_json(const StudyHierarchical& model, const Protocol& protocol, SessionKind kind) {
-  Json out = {{"status", word_of(kHierarchicalStatusWords, model.status)},
-              {"reason", model.reason.empty() ? Json(nullptr) : Json(model.reason)},
-              {"observer", model.response ? Json(word_of(kResponseModelWords, *model.response)) : Json(nullptr)},
-              {"participants", model.participants},
-              {"trials", model.trials}};
+  Json out = {
+      {"status", word_of(kHierarchicalStatusWords, model.status)},
+      {"reason", model.reason.empty() ? Json(nullptr) : Json(model.reason)},
+      {"observer", model.response ? Json(word_of(kResponseModelWords, *model.response)) : Json(nullptr)},
+      {"participants", model.participants},
+      {"trials", model.trials},
+      {"cautions", model.cautions},
+      {"exact", model.fitted() ? Json(model.exact) : Json(nullptr)},
+      {"pooled_levels", model.gathered ? Json::array({model.gathered.from, model.gathered.to}) : Json(nullptr)}};
   const bool standards = !task_of(protocol.task.kind).has_own_results(), choice = is_choice(model);
   const auto with = [standards](std::vector<std::string> keys, std::size_t after, std::vector<std::string> more) {
     keys.insert(keys.end() - 1, more.begin(), more.end());
@@ -245,17 +258,18 @@ Json hierarchical_json(const StudyHierarchical& model, const Protocol& protocol,
     return keys;
   };
   using Keys = std::vector<std::string>;
-  out["conditions"] = rows_json(hierarchical_fields(protocol, kind), hierarchical_rows(model),
-                                with({"condition", "n", "jnd", "ci_low", "ci_high", "weber", "status"}, 1,
-                                     choice ? Keys{"pse", "pse_low", "pse_high", "bias"} : Keys{"criterion"}));
-  out["ratios"] = rows_json(hierarchical_ratio_fields(protocol, kind), model.ratios,
-                            with({"a", "b", "participants", "ratio", "ci_low", "ci_high", "lr", "p", "status"}, 2, {}));
-  out["people"] = model.status == HierarchicalStatus::ok
-                      ? rows_json(hierarchical_person_fields(protocol, kind), model.people,
-                                  with({"participant", "condition", "separate", "separate_status", "alone",
-                                        "alone_status", "jnd", "ln_sd", "status"},
-                                       2, choice ? Keys{"bias"} : Keys{"criterion"}))
-                      : Json::array();
+  out["conditions"] =
+      rows_json(hierarchical_fields(protocol, kind), hierarchical_rows(model),
+                with({"condition", "n", "jnd", "ci_low", "ci_high", "ci_status", "weber", "status"}, 1,
+                     choice ? Keys{"pse", "pse_low", "pse_high", "pse_status", "bias"} : Keys{"criterion"}));
+  out["ratios"] = rows_json(
+      hierarchical_ratio_fields(protocol, kind), model.ratios,
+      with({"a", "b", "participants", "ratio", "ci_low", "ci_high", "ci_status", "lr", "p", "status"}, 2, {}));
+  out["people"] = model.fitted() ? rows_json(hierarchical_person_fields(protocol, kind), model.people,
+                                             with({"participant", "condition", "separate", "separate_status", "alone",
+                                                   "alone_status", "jnd", "ln_sd", "status"},
+                                                  2, choice ? Keys{"bias"} : Keys{"criterion"}))
+                                 : Json::array();
   out["people_note"] = kPersonRange;
   out["check"] = nullptr;
   if (model.check) {
@@ -264,12 +278,13 @@ Json hierarchical_json(const StudyHierarchical& model, const Protocol& protocol,
                                      {"condition", "difference", "participants", "trials", "share", "share_low",
                                       "share_high", "share_status", "sd", "sd_low", "sd_high", "sd_status"});
   }
-  out["variants"] = rows_json(hierarchical_variant_fields(protocol, kind), hierarchical_variant_rows(model),
-                              with({"variant", "parameter", "condition", "estimate", "estimate_low", "estimate_high",
-                                    "lr", "p", "status", "jnd", "ci_low", "ci_high", "width_ratio", "jnd_status"},
-                                   3, {}));
+  out["variants"] = rows_json(
+      hierarchical_variant_fields(protocol, kind), hierarchical_variant_rows(model),
+      with({"variant", "parameter", "condition", "estimate", "estimate_low", "estimate_high", "estimate_ci_status",
+            "lr", "p", "status", "jnd", "ci_low", "ci_high", "ci_status", "width_ratio", "jnd_status"},
+           3, {}));
   out["sd"] = nullptr;
-  if (model.status == HierarchicalStatus::ok)
+  if (model.fitted())
     out["sd"] = {{"persons", spread_json(model.persons)},
                  {"persons_by_condition", spread_json(model.by_condition)},
                  {choice ? "pse" : "criterion", spread_json(model.criteria)}};

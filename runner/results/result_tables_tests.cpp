@@ -77,9 +77,15 @@ ResultTable contrasts_table(const StudyResults& results, const Protocol& protoco
     return range_text(scale.factor * row.difference.ci_low, scale.factor * row.difference.ci_high, scale.decimals);
   };
   const auto p = [&](const Row& row) { return row.registered ? of.text("p", row) : ""; };
+  const std::string& refused = protocol.analysis.hierarchical ? rows.front().refused : tested.refused;
+  const bool alike = std::all_of(rows.begin(), rows.end(), [&](const Row& row) {
+    return !protocol.analysis.hierarchical || !row.registered || row.refused == refused;
+  });
   const auto cautions = [&](const Row& row) {
     return joined(constant == nullptr ? "" : source_caution(row.difference_source, constant->analysis),
-                  row.refused.empty() ? "" : "refused");
+                  row.refused.empty() ? ""
+                  : alike             ? "refused"
+                                      : row.refused);
   };
   std::vector<TableColumn<Row>> columns = {of.words("contrast", [&](const Row& row) {
     return contrast_name({row.a, row.b}, protocol);
@@ -93,8 +99,7 @@ ResultTable contrasts_table(const StudyResults& results, const Protocol& protoco
                   of.words(protocol.analysis.hierarchical ? "difference" : "mean difference", mean, true),
                   of.words("95 % CI", interval, true), of.words("p", p, true), of.words("cautions", cautions)});
   table = of(std::move(table), columns, rows);
-  const std::string& refused = protocol.analysis.hierarchical ? rows.front().refused : tested.refused;
-  if (!refused.empty()) table.footnotes.push_back("no tests: " + refused);
+  if (alike && !refused.empty()) table.footnotes.push_back("no tests: " + refused);
   if (std::all_of(table.rows.begin(), table.rows.end(), [](const auto& row) { return row.back().empty(); })) {
     table.columns.pop_back();
     for (auto& row : table.rows) row.pop_back();

@@ -6,6 +6,7 @@
 #include <pthread.h>
 #include <unistd.h>
 
+#include "analysis/numerics/long_work.h"
 #include "runner/terminal/standard_streams.h"
 #include "runner/terminal/terminal.h"
 
@@ -13,6 +14,11 @@ namespace jnd {
 
 WorkLine::WorkLine(std::string what) : what_(std::move(what)) {
   if (!is_terminal(STDERR_FILENO)) return;
+  work_progress() = [this](int part, int whole) {
+    const std::lock_guard lock(mutex_);
+    part_ = part;
+    whole_ = whole;
+  };
   // Signals are for the thread that works.
   sigset_t all, before;
   sigfillset(&all);
@@ -29,6 +35,7 @@ WorkLine::~WorkLine() {
   }
   changed_.notify_one();
   thread_.join();
+  work_progress() = {};
   if (drawn_) print_message("\r{}: {}\x1b[K\n", printable(what_), duration_text(elapsed_s()));
 }
 
@@ -39,7 +46,8 @@ double WorkLine::elapsed_s() const {
 void WorkLine::draw_until_done() {
   std::unique_lock lock(mutex_);
   while (!changed_.wait_for(lock, std::chrono::seconds(1), [this] { return done_; })) {
-    print_message("\r{}: {} ...\x1b[K", printable(what_), duration_text(elapsed_s()));
+    const std::string told = whole_ > 0 ? fmt::format(", {} of {}", part_, whole_) : "";
+    print_message("\r{}: {}{} ...\x1b[K", printable(what_), duration_text(elapsed_s()), told);
     drawn_ = true;
   }
 }

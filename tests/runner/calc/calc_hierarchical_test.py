@@ -91,7 +91,7 @@ class CalcHierarchical(program.Case):
     def test_people_get_tables(self):
         rows = [row for row in REFERENCE["same_different"][0]["input"]["rows"] if row[0] <= 6]
         text = self.calc(same_different_lines(rows), "--task", "same-different", "--people", "--bootstrap", "20").stdout
-        self.says(text, "hierarchical model: same-different", "C1 : C2", "persons (tu)", "from these answers alone",
+        self.says(text, "hierarchical model: same-different", "C1 : C2", "persons (tu)", "from these answers alone", "holds the true JND of 84 %",
                   "of 20 studies drawn without a difference it is as large", "Assumed:")
         self.assertNotIn("nan", text)
 
@@ -193,10 +193,54 @@ class CalcHierarchical(program.Case):
         self.assertIsNone(found["mu_diff"][0]["ratio"])
         self.assertLess(found["mu_diff"][0]["p"], 0.05)
         text = self.calc(lines, "--task", "same-different").stdout
-        self.assertIn("no_sensitivity: the answers do not change with the level", text)
+        self.assertIn("no_sensitivity (flat): positive answers do not become more frequent as the level grows", text)
         self.assertNotIn("nan", text)
         alone = self.json_of([line for line in lines if line[:2] in ("pa", "P0")], "--task", "same-different")
         self.assertEqual([alone[key] for key in ("tu_status", "tv_status", "tw_status")], ["not_identified"] * 3)
+
+    def test_conditions_without_a_jnd_leave_the_others(self):
+        lines = ["participant,condition,delta,n,k"]
+        for p in range(6):
+            for level, k in ((0, 1), (200, 3), (400, 5)):
+                lines += [f"P{p},good,{level},6,{k - p % 2}", f"P{p},always,{level},6,6",
+                          f"P{p},step,{level},6,{6 if level == 400 else 0}"]
+            lines.append(f"P{p},single,200,6,{p % 3}")
+        found = self.json_of(lines, "--task", "same-different")
+        self.assertEqual(found["conditions"], ["good", "always", "step", "single"])
+        self.assertEqual(found["status"], ["ok", "one_answer", "perfect", "one_level"])
+        self.assertEqual(found["ci_status"], ["ok"] + 3 * ["not_computed"])
+        self.assertEqual(found["jnd_ci"][1], [None, None])
+        self.assertTrue(found["jnd_ci"][0][0] < found["group_jnd"][0] < found["jnd_ci"][0][1])
+        self.assertTrue(found["converged"] and found["exact"])
+        for one in found["mu_diff"]:
+            self.assertEqual((one["ratio"], one["p"], one["ci_status"]), (None, None, "not_computed"))
+        text = self.calc(lines, "--task", "same-different", "--people", "--check=20").stdout
+        self.says(text, "one_answer (always): every answer is the same", "perfect (step): ", "one_level (single): ")
+        self.assertNotIn("nan", text)
+        self.assertNotIn("inf", text.replace("infinite", ""))
+
+    def test_answers_that_fall_with_the_level_are_told(self):
+        lines = ["participant,delta,n,k"] + [f"P{p},{level},10,{k}" for p in range(3)
+                                             for level, k in ((0, 9), (200, 5), (400, 1))]
+        done = self.calc(lines, "--task", "same-different")
+        self.assertIn("the counted answers fall with the level, from 27 of 30 at 0 to 3 of 30 at 400", done.stderr)
+        found = self.json_of(lines, "--task", "same-different")
+        self.assertEqual((found["status"], found["falling"]), (["no_sensitivity"], [True]))
+
+    def test_levels_of_single_trials_are_pooled_and_counted(self):
+        trials = ["who,x,said"] + [f"P{i % 6},{3 * i},{'different' if i * 7 % 200 < i else 'same'}" for i in range(200)]
+        options = ("--task", "same-different", "--trials", "--participant", "who", "--level", "x", "--answer", "said")
+        before, after = self.json_of(trials, *options)["pooled_levels"]
+        self.assertEqual(before, 200)
+        self.assertLess(after, 70)
+        self.assertIn(f"Levels within 5 % of each other were pooled: 200 to {after}.", self.calc(trials, *options).stdout)
+
+    def test_few_people_get_a_caution(self):
+        rows = [row for row in REFERENCE["same_different"][0]["input"]["rows"] if row[0] <= 6]
+        few, more = ["\n".join(self.json_of(same_different_lines([row for row in rows if row[0] <= most]), "--task",
+                                            "same-different")["cautions"]) for most in (3, 6)]
+        self.assertIn("3 participants are few: in simulated studies of 3 people, 92.7 %", few)
+        self.assertNotIn("are few", more)
 
     def test_the_drawn_studies_are_the_seeds(self):
         rows = [row for row in REFERENCE["same_different"][0]["input"]["rows"] if row[0] <= 4]
