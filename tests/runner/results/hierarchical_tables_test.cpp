@@ -90,6 +90,42 @@ TEST_CASE("the hierarchical model has its tables where it was added") {
   CHECK(odd.rows[4][3] == "no_sensitivity");
 }
 
+TEST_CASE("what limits the numbers of the hierarchical model is said beside them") {
+  const Protocol protocol = published_protocol();
+  StudyResults results = invented_study(protocol, 4);
+  add_hierarchical(results, protocol);
+  StudyHierarchical& model = *results.hierarchical;
+  REQUIRE(says(hierarchical_table(results, protocol), "4 participants are few: "));
+  results.cautions = model.cautions;
+  CHECK_FALSE(says(hierarchical_table(results, protocol), "are few"));  // it is said of the study
+  results.cautions.clear();
+
+  model.conditions[0].ci_low = model.conditions[0].ci_high = kNaN;
+  model.conditions[0].ci_status = EndsStatus::out_of_work;
+  model.conditions[1].status = SlopeStatus::one_answer;
+  model.ratios[0].ci_low = model.ratios[0].ci_high = kNaN;
+  model.ratios[0].ci_status = EndsStatus::not_converged;
+  model.persons = {SpreadStatus::at_limit, 2};
+  CHECK_FALSE(model.alike());
+  const ResultTable group = hierarchical_table(results, protocol);
+  CHECK(group.rows[0].back() == "interval out_of_work");
+  CHECK(group.rows[1].back() == "one_answer");
+  CHECK(group.rows[2].back() == "ok");
+  CHECK(says(group, "at_limit 2.00 of ln JND"));
+  CHECK(hierarchical_ratios_table(results, protocol).rows[0].back() == "interval not_converged");
+  const nlohmann::ordered_json json = hierarchical_json(model, protocol, SessionKind::simulated);
+  CHECK(json.at("conditions").at(0).at("ci_status") == "out_of_work");
+  CHECK(json.at("conditions").at(0).at("ci_low").is_null());
+  CHECK(json.at("cautions").size() == model.cautions.size());
+
+  model.status = HierarchicalStatus::not_converged;
+  const ResultTable unsettled = hierarchical_table(results, protocol);
+  CHECK(unsettled.rows[0].back() == "not_converged, interval out_of_work");
+  CHECK(unsettled.rows[1].back() == "one_answer");
+  CHECK_FALSE(hierarchical_people_table(results, protocol).rows.empty());
+  CHECK_FALSE(hierarchical_json(model, protocol, SessionKind::simulated).at("people").empty());
+}
+
 TEST_CASE("where there is no hierarchical model, its table and JSON say why") {
   const Protocol protocol = published_protocol();
   StudyResults results =
