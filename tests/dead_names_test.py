@@ -17,6 +17,7 @@ ALLOWED = {
     "all_references": "hold every reference against the words that cite it",
     "clock_steps": "see that a link's clock never stepped",
     "compression_m": "see the true state of a simulated platform",
+    "drop_of_mean": "hold intervals of JNDs against the tests of single values",
     "cycle_ns": "see how long a virtual tracker's motion takes",
     "set_rig_source": "put a rig that declares itself real in the place of the simulated ones",
     "true_angle_rad": "see the true state of a simulated finger",

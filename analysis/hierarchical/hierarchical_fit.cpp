@@ -11,7 +11,7 @@
 #include <thread>
 #include <utility>
 
-#include "analysis/numerics/long_work.h"
+#include "analysis/numerics/stop_request.h"
 #include "analysis/numerics/tail_probabilities.h"
 
 namespace jnd {

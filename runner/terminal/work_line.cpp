@@ -6,7 +6,7 @@
 #include <pthread.h>
 #include <unistd.h>
 
-#include "analysis/numerics/long_work.h"
+#include "analysis/numerics/stop_request.h"
 #include "runner/terminal/standard_streams.h"
 #include "runner/terminal/terminal.h"
 

@@ -10,7 +10,7 @@
 namespace jnd {
 
 // While it lives and standard error is a terminal: after a second "verifying s.sqlite: 3 s ..." on a line of its own,
-// every second anew; with what work_progress() (analysis/numerics/long_work.h) was told last, "3 s, 4 of 9 ...". At the end the line says how long it took. Shorter work, and work elsewhere than on a terminal, says
+// every second anew; with what work_progress() (analysis/numerics/stop_request.h) was told last, "3 s, 4 of 9 ...". At the end the line says how long it took. Shorter work, and work elsewhere than on a terminal, says
 // nothing. What the work prints to standard output must wait until it is gone.
 // Thread rule: one thread; the one that writes is inside.
 class WorkLine {
