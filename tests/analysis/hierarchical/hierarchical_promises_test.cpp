@@ -12,8 +12,8 @@ using namespace jnd::testing;
 TEST_CASE("an interval excludes a value exactly where the test there has p < .05, of random studies",
           "[hierarchical][long]") {
   int intervals = 0, tests = 0;
-  for (const std::uint64_t number : std::initializer_list<std::uint64_t>{12, 73, 92, 114, 119, 127, 175, 190, 261, 295,
-                                                                         330, 443, 515, 773, 831, 848, 942, 989}) {
+  for (const std::uint64_t number : std::initializer_list<std::uint64_t>{
+           12, 58, 73, 92, 114, 119, 127, 175, 190, 261, 295, 330, 352, 443, 515, 773, 831, 848, 942, 989}) {
     const Kept kept = kept_promises(random_study(number));
     CAPTURE(number, kept.broken);
     CHECK(kept.broken.empty());
@@ -25,8 +25,8 @@ TEST_CASE("an interval excludes a value exactly where the test there has p < .05
     intervals += kept.intervals;
     tests += kept.tests;
   }
-  CHECK(intervals >= 38);
-  CHECK(tests >= 60);
+  CHECK(intervals >= 41);
+  CHECK(tests >= 64);
 }
 
 }  // namespace
