@@ -20,6 +20,7 @@ namespace {
 
 constexpr double kPooledNegligible = 1e-10;  // ln L of the pooled answers
 constexpr double kRoughly = 0.75;            // of the fineness of nodes
+constexpr double kLatticesDiffer = 1e-6;     // ln L at places beside each other, on other lattices
 constexpr double kRidge = 1e-3;              // least curvature of every variable, in its unit
 
 // Where a search stands.
@@ -206,7 +207,9 @@ class SearchedLikelihood {
   void turned_down() const { curvature_.undo(); }
 
   const std::vector<double>& curvature() const { return curvature_.matrix(); }
-  const std::vector<double>& best() const noexcept { return best_; }  // of the places that were looked at
+  // Of the places that were looked at.
+  const std::vector<double>& best() const noexcept { return best_; }
+  double best_value() const noexcept { return best_value_; }
 
   // Of a place that was looked at: the last one, or the one before, which a search comes back to.
   HierarchicalLikelihood::Value found_at(const std::vector<double>& x) const {
@@ -323,7 +326,8 @@ HierarchicalMaximum maximise(HierarchicalLikelihood& likelihood, const Hierarchi
   const std::vector<double> x = variables.start();
   NewtonResult found;
   try {
-    found = maximise_in_box(function, x, variables.box(x), wanted, negligible);
+    found = maximise_in_box(function, x, variables.box(x), wanted, negligible, kLatticesDiffer);
+    if (function.best_value() > found.value) found.place = function.best();
   } catch (const OutOfWork&) {
     found.place = function.best();
   }

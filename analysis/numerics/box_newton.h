@@ -3,6 +3,7 @@
 // Source: Nocedal and Wright 2006, Numerical Optimization, sections 3.4 (modified Newton) and 16.7 (active bounds).
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <utility>
@@ -44,11 +45,12 @@ bool newton_direction(const NewtonDerivatives& at, const NewtonBox& box, const s
 // function.value(place) -> double (-inf where impossible) and function.derivatives(place, NewtonDerivatives&); where it has
 // function.turned_down(), this is called when the place whose derivatives came last is not gone to. start
 // must lie in the box and have a finite value. Thread-safe; converged where the next step promises a gain below
-// `negligible` (1e-18: the remaining step is below 1e-9 standard errors), which is also what values may err by. A search
-// that promises no more than `wanted`, even were its gain kMostGain times what its steps promise, is given up.
+// `negligible` (1e-18: the remaining step is below 1e-9 standard errors). Values may err by `error`: steps that seem to
+// lose less are taken. A search that promises no more than `wanted`, even were its gain kMostGain times what its steps
+// promise, is given up.
 template <typename Function>
 NewtonResult maximise_in_box(const Function& function, std::vector<double> start, const NewtonBox& box,
-                             double wanted = -kInf, double negligible = 1e-18) {
+                             double wanted = -kInf, double negligible = 1e-18, double error = 0) {
   constexpr int kMostSteps = 200, kMostHalvings = 50;
   constexpr double kMostGain = 4;
   constexpr double kQuadratic = 1e-9, kRounding = 1e-13;
@@ -99,7 +101,7 @@ NewtonResult maximise_in_box(const Function& function, std::vector<double> start
       } else {
         value = function.value(trial);
       }
-      moved = moved || value >= at.value + 1e-4 * step * ascent - negligible;
+      moved = moved || value >= at.value + 1e-4 * step * ascent - std::max(error, negligible);
       if constexpr (requires { function.turned_down(); })
         if (halving == 0 && !moved) function.turned_down();
       if (moved && halving > 0) function.derivatives(trial, next);
