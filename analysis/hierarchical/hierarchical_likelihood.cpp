@@ -74,7 +74,7 @@ std::vector<std::vector<LatticeQuestion>> questions_of(std::span<const Hierarchi
 
 // Of a ladder of steps, a rung no longer than this one: neighbouring places have the same lattice.
 double rung_below(double step) {
-  return std::exp2(std::floor(std::log2(step)));
+  return std::exp2(std::floor(2 * std::log2(step)) / 2);
 }
 
 }  // namespace

@@ -124,11 +124,11 @@ class Variables {
       box.upper.push_back(std::max(at, high));
     };
     for (std::size_t i = 0; i < means_; ++i) {
-      double low = -kInf, high = kInf;
+      double low = kInf, high = -kInf;  // any of what is bound together lies in the range: beyond it all are as likely
       for (std::size_t c = 0; c < conditions_; ++c)
         if (form_.of[c] == static_cast<int>(i)) {
-          low = std::max(low, form_.lowest - form_.offset[c]);
-          high = std::min(high, form_.highest - form_.offset[c]);
+          low = std::min(low, form_.lowest - form_.offset[c]);
+          high = std::max(high, form_.highest - form_.offset[c]);
         }
       add(low, high);
     }
