@@ -26,7 +26,7 @@ constexpr double kExact = 1e-6, kDenser = 1.5, kDensest = 3.5;
 constexpr int kMostRestarts = 6;  // because a larger likelihood was come upon
 // Of HierarchicalLikelihood::work(), of which a second has about 1e9: for the search of everything, and for complete(), of
 // which means and criteria have a half and everything else the other, each number its share.
-constexpr double kMostOfFit = 4e9, kMostOfAll = 8e9, kOfTest = 0.3;
+constexpr double kMostOfFit = 4e9, kMostOfAll = 16e9, kOfTest = 0.3;
 
 double trials_of(std::span<const HierarchicalCell> cells) {
   return std::accumulate(cells.begin(), cells.end(), 0.0,

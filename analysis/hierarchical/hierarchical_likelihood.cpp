@@ -141,8 +141,11 @@ void HierarchicalLikelihood::look_beside(const HierarchicalPlace& place, const S
     if (!by.has(which)) continue;
     SharedParameters shared = shared_;
     value_of(shared, which) += step_of(which, value_of(shared, which), unit);
+    // Of lapses and over-dispersion the rest of a lattice stays.
+    const bool rest = which == SharedParameter::lapse || which == SharedParameter::overdispersion;
     for (std::size_t c = 0; c < conditions_; ++c) {
-      beside_.push_back({which, value_of(shared, which) - value_of(shared_, which), c, responses(c)});
+      beside_.push_back({which, value_of(shared, which) - value_of(shared_, which), c,
+                         rest ? responses(c) : ResponseLattice(model_, questions_[c], shared, responses(c).steps())});
       beside_.back().responses.set_shared(shared);
     }
   }
@@ -158,10 +161,11 @@ OfSharedParameters HierarchicalLikelihood::slope_by_shared(const Person& person,
     const double here = answers.weighted_sum(nodes, at.by_cell[c], responses(c));
     for (ResponsesBeside& beside : beside_) {
       if (beside.condition != c) continue;
-      beside.responses.lay_out(responses(c).range());
+      beside.responses.extend(nodes);
       work_ += beside.responses.worked();
       slope[static_cast<std::size_t>(beside.parameter)] +=
           (answers.weighted_sum(nodes, at.by_cell[c], beside.responses) - here) / beside.step;
+      work_ += static_cast<double>(nodes.nodes() * answers.answers().size());
     }
   }
   return slope;

@@ -62,7 +62,7 @@ double nanoseconds_of(ResponseModel model) {
     case ResponseModel::choice:
       return 60;
     case ResponseModel::differencing:
-      return 100;
+      return 150;
     case ResponseModel::independent:
       return 300;
   }
@@ -159,7 +159,7 @@ void ResponseLattice::lay_out_question(std::size_t i, const LatticeRange& before
   const bool no_slope = model_ == ResponseModel::yes_no && question.level == 0;  // the same at every spread
   // Of this row the nodes between.
   const auto calculate = [&](int k, int from, int to) {
-    if (from <= to) worked_ += (no_slope ? 1 : to - from + 1) * nanoseconds_of(model_) * (shared_.graded() ? 2 : 1);
+    if (from <= to) worked_ += (no_slope ? 1 : to - from + 1) * nanoseconds_of(model_) * (shared_.graded() ? 1.5 : 1);
     const double criterion = steps_.origin + k * steps_.criterion + shift_k;
     GradedLogRates rates{};
     for (int s = from; s <= to; ++s) {
