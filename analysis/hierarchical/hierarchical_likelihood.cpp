@@ -18,7 +18,6 @@ namespace {
 
 // Nodes: a larger lattice is not kept for later, and laid out anew where that is so many times what is needed.
 constexpr std::size_t kMostKept = 10'000, kMostWaste = 3;
-constexpr double kAbout = 0.5;  // in ln s and units of the criterion: places so near have the same lattice
 // A standard deviation below this is 0: ln L is even in it, and differs from its value at 0 by less than rounding.
 constexpr double kLeastSpread = 1e-5;
 // Nodes a standard deviation of the posterior apart: the error of the sum is exp(-2 pi^2), 3e-9. The integrand may end
@@ -101,7 +100,6 @@ HierarchicalLikelihood::HierarchicalLikelihood(std::span<const HierarchicalCell>
   for (const HierarchicalCell& cell : cells)
     participants = std::max(participants, static_cast<std::size_t>(cell.participant) + 1);
   conditions_ = questions_.size();
-  narrowest_.resize(conditions_);
   std::vector<std::vector<QuestionAnswers>> answers(participants * conditions_);
   for (const HierarchicalCell& cell : cells) {
     const auto condition = static_cast<std::size_t>(cell.condition);
@@ -171,64 +169,58 @@ OfSharedParameters HierarchicalLikelihood::slope_by_shared(const Person& person,
   return slope;
 }
 
-// The least standard errors that the answers of a cell could have about the place, or where logarithms are read those of
-// one answer for the criterion.
-HierarchicalLikelihood::Narrowest HierarchicalLikelihood::look_how_narrow(std::size_t condition, double mu, double kappa,
-                                                                          int reach_s, int reach_k) const {
+// How fine the lattice of a condition must be: by the least standard errors that anybody's answers could have about where
+// they lie, and for the criterion, whose logarithms are read, by those of one answer.
+LatticeSteps HierarchicalLikelihood::steps_about(std::size_t condition, const HierarchicalPlace& place) const {
+  constexpr double kWidest = 1;  // standard error: where answers tell next to nothing a lattice is no coarser
+  constexpr double kAround = 2;  // standard deviations of the posterior
   SharedParameters without_lapses = shared_;  // which a cell tells more without
   without_lapses.lapse = 0;
-  std::vector<LevelTrials> design;  // the most that anybody has
-  for (const LatticeQuestion& question : questions_[condition]) design.push_back({question.level, 0});
-  for (const Person& person : people_)
-    for (const QuestionAnswers& one : cell(person, condition).answers())
-      design[one.question].trials = std::max(design[one.question].trials, one.counts.trials());
-  const double unit = model_ == ResponseModel::choice ? std::exp(mu) : 1;
   double most_s = 0, most_k = 0;
-  for (int i = -reach_s; i <= reach_s; ++i)
-    for (int j = -reach_k; j <= reach_k; ++j) {
-      const double s = kAbout * i, k = kAbout * j * unit;
-      const CellInformation told = expected_information(model_, design, mu + s, kappa + k, without_lapses);
-      most_s = std::max(most_s, told.s);
+  std::vector<LevelTrials> design;
+  for (const Person& person : people_) {
+    design.clear();
+    for (const QuestionAnswers& one : cell(person, condition).answers())
+      design.push_back({questions_[condition][one.question].level, one.counts.trials()});
+    const auto sd = [](double prior, double information) { return prior / std::sqrt(1 + prior * prior * information); };
+    const double mode_s = place.mu[condition] + (person.u.low + person.u.high) / 2,
+                 mode_k = place.kappa[condition] + (person.w.low + person.w.high) / 2;
+    const double beside_s = kAround * std::hypot(sd(place.tu, person.information_u), sd(place.tv, person.information_u)),
+                 beside_k = kAround * sd(place.tw, person.information_w);
+    for (const auto& [i, j] : {std::pair{0, 0}, {-1, 0}, {1, 0}, {0, -1}, {0, 1}}) {
+      const double s = mode_s + i * beside_s, k = mode_k + j * beside_k;
+      most_s = std::max(most_s, expected_information(model_, design, s, k, without_lapses).s);
       for (const LevelTrials& level : design)
         if (level.trials > 0 && !choice()) {
           const LevelTrials one{level.level, 1};
-          most_k = std::max(
-              most_k, expected_information(model_, std::span(&one, 1), mu + s, kappa + k, without_lapses).k);
+          most_k = std::max(most_k, expected_information(model_, std::span(&one, 1), s, k, without_lapses).k);
         }
     }
-  constexpr double kWidest = 1;  // standard error: where answers tell next to nothing a lattice is no coarser
-  Narrowest found;
-  found.ln_s = std::min(kWidest, 1 / std::sqrt(most_s));
-  found.finest.ln_s = rung_below(kLatticeStepS * found.ln_s / fineness_);
-  found.finest.criterion =
-      choice() ? 0 : rung_below(kLogarithmStepK * std::min(kWidest, 1 / std::sqrt(most_k)) / fineness_);
-  return found;
+  }
+  const double narrowest = std::min(kWidest, 1 / std::sqrt(most_s));
+  LatticeSteps steps;
+  steps.ln_s = rung_below(kLatticeStepS * narrowest / fineness_);
+  // Where the normal density of v is wide, the lattice of ln s may be coarser.
+  const double product = place.tv * narrowest / std::hypot(place.tv, narrowest);  // the width of both together
+  steps.ln_s *= rung_below(std::max(1.0, product / (steps.ln_s * fineness_)));
+  if (!choice()) steps.criterion = rung_below(kLogarithmStepK * std::min(kWidest, 1 / std::sqrt(most_k)) / fineness_);
+  return steps;
 }
 
-// Where the normal density of v is wide, the lattice of ln s may be coarser.
 void HierarchicalLikelihood::choose_lattices(const HierarchicalPlace& place) {
   for (std::size_t c = 0; c < conditions_; ++c) {
-    const int mu = static_cast<int>(std::lround(place.mu[c] / kAbout));
-    const double unit = model_ == ResponseModel::choice ? std::exp(kAbout * mu) : 1;
-    const int kappa = static_cast<int>(std::lround(place.kappa[c] / unit / kAbout));
-    // As far as people lie.
-    const int reach_s = 2 + static_cast<int>(std::ceil(2 * std::hypot(place.tu, place.tv) / kAbout)),
-              reach_k = 1 + static_cast<int>(std::ceil(2 * place.tw / unit / kAbout));
-    auto [known, added] = narrowest_[c].try_emplace({mu, kappa, reach_s, reach_k});
-    if (added) known->second = look_how_narrow(c, kAbout * mu, kAbout * kappa * unit, reach_s, reach_k);
-    const auto& [narrowest, finest] = known->second;
-    const double product = place.tv * narrowest / std::hypot(place.tv, narrowest);  // the width of both together
-    const double step = finest.ln_s * rung_below(std::max(1.0, product / (finest.ln_s * fineness_)));
+    const LatticeSteps steps = steps_about(c, place);
     std::vector<Lattice>& of = lattices_[c];
     const auto same = std::find_if(of.begin(), of.end(), [&](const Lattice& one) {
-      return one.responses.steps().ln_s == step && (choice() || one.responses.steps().criterion == finest.criterion);
+      return one.responses.steps().ln_s == steps.ln_s &&
+             (choice() || one.responses.steps().criterion == steps.criterion);
     });
     if (same != of.end()) {
       std::rotate(of.begin(), same, same + 1);
       continue;
     }
     constexpr std::size_t kMostLattices = 3;
-    const ResponseLattice empty(model_, questions_[c], shared_, {step, finest.criterion});
+    const ResponseLattice empty(model_, questions_[c], shared_, steps);
     Lattice fresh{empty, empty, {}};
     for (const CellLikelihood& cell : of.front().cells) fresh.cells.emplace_back(cell.answers());
     const LatticeRange& range = of.front().responses.range();
@@ -510,8 +502,8 @@ HierarchicalPlace HierarchicalLikelihood::slope_of(const Evaluation& at) const {
 template <typename Each>
 void HierarchicalLikelihood::through_everybody(const HierarchicalPlace& place, Each&& each, const NodeOffset& offset,
                                                const SharedForm& by) {
-  choose_lattices(place);
   for (Person& person : people_) locate(person, place);
+  choose_lattices(place);
   for (;;) {
     Evaluation at = prepared(place, offset);
     at.back_to_cells = by.any();

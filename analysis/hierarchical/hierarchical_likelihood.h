@@ -22,9 +22,7 @@
 // implementations, analysis/selftest.
 #pragma once
 
-#include <array>
 #include <cstddef>
-#include <map>
 #include <span>
 #include <utility>
 #include <vector>
@@ -126,11 +124,6 @@ class HierarchicalLikelihood {
     ResponseLattice responses, beside;  // of choices the latter a step of the criterion away
     std::vector<CellLikelihood> cells;  // by participant
   };
-  // How fine a lattice must be about a place.
-  struct Narrowest {
-    double ln_s = 0;  // the least standard error that a cell's answers could have, without lapses
-    LatticeSteps finest;
-  };
 
   ResponseLattice& responses(std::size_t condition) noexcept { return lattices_[condition].front().responses; }
   CellLikelihood& cell(const Person& person, std::size_t condition) noexcept {
@@ -144,7 +137,7 @@ class HierarchicalLikelihood {
   }
   void look_beside(const HierarchicalPlace& place, const SharedForm& by);
   OfSharedParameters slope_by_shared(const Person& person, const Evaluation& at);
-  Narrowest look_how_narrow(std::size_t condition, double mu, double kappa, int reach_s, int reach_k) const;
+  LatticeSteps steps_about(std::size_t condition, const HierarchicalPlace& place) const;
   void choose_lattices(const HierarchicalPlace& place);
   void locate(Person& person, const HierarchicalPlace& place) const;
   Evaluation prepared(const HierarchicalPlace& place, const NodeOffset& offset);
@@ -166,10 +159,8 @@ class HierarchicalLikelihood {
   SharedParameters shared_;
   double fineness_;
   std::size_t conditions_ = 0;
-  // By condition: what was asked, how fine lattices must be about the places that were looked at, and the lattice of now
-  // before some earlier ones.
+  // By condition: what was asked, and the lattice of now before some earlier ones.
   std::vector<std::vector<LatticeQuestion>> questions_;
-  std::vector<std::map<std::array<int, 4>, Narrowest>> narrowest_;
   std::vector<std::vector<Lattice>> lattices_;
   std::vector<ResponsesBeside> beside_;
   std::vector<Person> people_;
