@@ -331,7 +331,7 @@ bool HierarchicalLikelihood::grown(Person& person, const Evaluation& at) const {
 // its variance is what was rounded, and half a spacing is what is known of its width.
 bool HierarchicalLikelihood::fine_enough(Person& person, const Evaluation& at) const {
   if (!at.anything_left()) return true;
-  constexpr double kNarrow = 0.5, kNarrowest = 1e-4;  // the last: standard deviations of the prior
+  constexpr double kNarrow = 0.5, kNarrowest = 0.02;  // the last: standard deviations of the prior
   const Evaluation::Moments mean = at.moments();
   const double share = std::exp(kLogEdge * fineness_ * fineness_);
   const auto look = [share](double variance, double prior, double spacing, double& information, Range& range,
