@@ -44,11 +44,11 @@ HierarchicalPlace moved(const HierarchicalForm& form, const HierarchicalPlace& p
 
 inline constexpr double kNegligible = 1e-8;  // of ln L: differences below it are not told apart
 
-// What is searched: spreads of ln s of up to a factor of 3.5 between people a standard deviation apart, of criteria up to 2 of
+// What is searched: spreads of ln s of up to a factor of e^2 between people a standard deviation apart, of criteria up to 2 of
 // their unit, and correlations for which nodes can lie close enough. The smallest: ln L is smooth in the square of a
 // spread, which is what is searched, and differs between 0 and here by next to nothing, but only beyond 0 does it have a
 // slope in that square.
-inline constexpr double kLargestSpread = 1.25, kLargestSpreadOfCriteria = 2, kLargestCorrelation = 0.95;
+inline constexpr double kLargestSpread = 2, kLargestSpreadOfCriteria = 2, kLargestCorrelation = 0.95;
 inline constexpr double kSmallestSpread = 1e-3;
 
 // From one place, uphill. Spreads that are estimated begin at no less than a small one, and end at 0 where ln L rises
