@@ -136,7 +136,8 @@ void HierarchicalAnalysis::find_spreads() {
 }
 
 HierarchicalMaximum HierarchicalAnalysis::climbed(const HierarchicalForm& form, const HierarchicalMaximum& from) {
-  return search_->climbed(form, from, kMostOfFit - spent_, effort_ == SearchEffort::drawn ? kRoughlyNegligible : kNegligible);
+  return search_->climbed(form, from, kMostOfFit - spent_,
+                          effort_ == SearchEffort::drawn ? kRoughlyNegligible : kNegligible);
 }
 
 HierarchicalMaximum HierarchicalAnalysis::first_place(const HierarchicalPlace* near) const {
@@ -270,9 +271,9 @@ void HierarchicalAnalysis::settle() {
   if (fit_.rho != SpreadStatus::not_asked) {
     const bool told = found.tu > 0 && found.tw > 0;
     if (!told) fit_.maximum.place.rho = 0;
-    fit_.rho = !told                                                     ? SpreadStatus::not_identified
+    fit_.rho = !told                                                    ? SpreadStatus::not_identified
                : std::abs(found.rho) > kLargestCorrelation * (1 - 1e-6) ? SpreadStatus::at_limit
-                                                                         : SpreadStatus::ok;
+                                                                        : SpreadStatus::ok;
   }
   for (std::size_t c = 0; c < fit_.conditions.size(); ++c) {
     if (!kept(c)) continue;
@@ -406,8 +407,8 @@ HeldNumber HierarchicalAnalysis::shared_number(SharedParameter which) const {
 // One number's part of complete(): what it takes from the likelihood, and where what it finds goes.
 struct HierarchicalAnalysis::Task {
   HeldNumber number{};
-  bool of_condition = false;        // its mean, or criterion
-  double tested = kNaN;             // a value whose drop is wanted
+  bool of_condition = false;  // its mean, or criterion
+  double tested = kNaN;       // a value whose drop is wanted
   bool interval = true;
   ProfileEnds* ends = nullptr;
   double drop = kNaN;

@@ -86,7 +86,7 @@ inline constexpr auto kSlopeStatusWords = words<SlopeStatus>({{"ok", SlopeStatus
 SlopeStatus counted_status(std::span<const HierarchicalCell> cells);
 
 struct ConditionMean {
-  double mu = kNaN;         // NaN without a JND; its interval still has one end, but where the counts tell that there is none
+  double mu = kNaN;  // NaN without a JND; its interval still has one end, but where the counts tell that there is none
   double criterion = kNaN;  // NaN of a condition that is left out
   SlopeStatus status = SlopeStatus::ok;
   ProfileEnds ends;            // of mu
@@ -146,8 +146,8 @@ enum class SearchEffort { thorough, drawn };
 
 // What complete() adds to a fit.
 struct HierarchicalWish {
-  bool intervals = false;  // of the means, and of choices of the criteria
-  bool shared = false;     // of each that is to be estimated: interval and test
+  bool intervals = false;                                    // of the means, and of choices of the criteria
+  bool shared = false;                                       // of each that is to be estimated: interval and test
   std::vector<std::pair<std::size_t, std::size_t>> pairs{};  // of conditions: the difference, its interval and test
 };
 

@@ -30,7 +30,7 @@ constexpr double kGrowth = 0.4;    // of its width, by which a range grows at an
 constexpr double kClosest = 0.95;  // the greatest correlation that nodes are placed for
 // Of the least standard error that a cell's answers can have of ln s, and of the criterion: Lagrange's polynomial through
 // a likelihood errs by 2e-8, and through the logarithm of one where steps are this share of one answer's standard error.
-constexpr double kLatticeStepS = 0.4, kLogarithmStepK = 0.24;
+constexpr double kLatticeStepS = 0.4, kLogarithmStepK = 0.16, kLogarithmStepKOfIndependent = 0.4;
 constexpr double kSmoothU = 0.33;    // in ln s: what likelihoods change within
 constexpr double kMostNodesW = 512;  // where that would be less than all of them
 
@@ -92,10 +92,7 @@ HierarchicalPlace& HierarchicalPlace::operator+=(const HierarchicalPlace& other)
 
 HierarchicalLikelihood::HierarchicalLikelihood(std::span<const HierarchicalCell> cells, ResponseModel model,
                                                const SharedParameters& shared, double fineness)
-    : model_(model),
-      shared_(shared),
-      fineness_(fineness * fineness_of(model)),
-      questions_(questions_of(cells)) {
+    : model_(model), shared_(shared), fineness_(fineness * fineness_of(model)), questions_(questions_of(cells)) {
   std::size_t participants = 0;
   for (const HierarchicalCell& cell : cells)
     participants = std::max(participants, static_cast<std::size_t>(cell.participant) + 1);
@@ -185,7 +182,8 @@ LatticeSteps HierarchicalLikelihood::steps_about(std::size_t condition, const Hi
     const auto sd = [](double prior, double information) { return prior / std::sqrt(1 + prior * prior * information); };
     const double mode_s = place.mu[condition] + (person.u.low + person.u.high) / 2,
                  mode_k = place.kappa[condition] + (person.w.low + person.w.high) / 2;
-    const double beside_s = kAround * std::hypot(sd(place.tu, person.information_u), sd(place.tv, person.information_u)),
+    const double beside_s =
+                     kAround * std::hypot(sd(place.tu, person.information_u), sd(place.tv, person.information_u)),
                  beside_k = kAround * sd(place.tw, person.information_w);
     for (const auto& [i, j] : {std::pair{0, 0}, {-1, 0}, {1, 0}, {0, -1}, {0, 1}}) {
       const double s = mode_s + i * beside_s, k = mode_k + j * beside_k;
@@ -203,7 +201,8 @@ LatticeSteps HierarchicalLikelihood::steps_about(std::size_t condition, const Hi
   // Where the normal density of v is wide, the lattice of ln s may be coarser.
   const double product = place.tv * narrowest / std::hypot(place.tv, narrowest);  // the width of both together
   steps.ln_s *= rung_below(std::max(1.0, product / (steps.ln_s * fineness_)));
-  if (!choice()) steps.criterion = rung_below(kLogarithmStepK * std::min(kWidest, 1 / std::sqrt(most_k)) / fineness_);
+  const double of_answer = model_ == ResponseModel::independent ? kLogarithmStepKOfIndependent : kLogarithmStepK;
+  if (!choice()) steps.criterion = rung_below(of_answer * std::min(kWidest, 1 / std::sqrt(most_k)) / fineness_);
   return steps;
 }
 
@@ -416,8 +415,7 @@ HierarchicalLikelihood::Evaluation HierarchicalLikelihood::prepared(const Hierar
   at.all = {at.all.u0 - more_u, at.all.u1 + more_u, at.all.w0 - more_w, at.all.w1 + more_w};
   for (std::size_t c = 0; c < conditions_; ++c) {
     at.over_s.emplace_back(place.mu[c] + at.u(0), at.spacing_u, at.all.u0, at.all.u1, place.tv,
-                           responses(c).steps().ln_s,
-                           kFollowed * std::min(fineness_, 1.0));
+                           responses(c).steps().ln_s, kFollowed * std::min(fineness_, 1.0));
     if (choice()) {
       lay_out_rows(c, at.read_by(c, asked), place.kappa[c] + at.w(0), at.spacing_w);
       continue;

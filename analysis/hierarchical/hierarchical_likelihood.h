@@ -78,8 +78,8 @@ class HierarchicalLikelihood {
   const SharedParameters& shared() const noexcept { return shared_; }
 
   struct Value {
-    double log_likelihood = 0;  // -inf, with the slopes of the others, where somebody's underflows
-    HierarchicalPlace slope;    // its derivatives; by tu, tv, tw: 0 at 0, where ln L is even
+    double log_likelihood = 0;       // -inf, with the slopes of the others, where somebody's underflows
+    HierarchicalPlace slope;         // its derivatives; by tu, tv, tw: 0 at 0, where ln L is even
     OfSharedParameters by_shared{};  // by the shared parameters asked for
   };
   Value at(const HierarchicalPlace& given, const SharedForm& by = {});

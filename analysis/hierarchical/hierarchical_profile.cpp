@@ -72,7 +72,8 @@ const Profile::Point& Profile::confirm(double value) {
   starts.push_back(start);
   for (const HierarchicalMaximum& other : starts) search_.improve(form, other, found, most_work_);
   keep(value, found);
-  Point& point = *std::find_if(points_.begin(), points_.end(), [value](const Point& one) { return one.value == value; });
+  Point& point =
+      *std::find_if(points_.begin(), points_.end(), [value](const Point& one) { return one.value == value; });
   point.confirmed = true;
   return point;
 }
@@ -93,7 +94,8 @@ double Profile::crossing(double inside, double outside, double first) {
 }
 
 double Profile::end(double side, EndsStatus& status) {
-  const double limit = side < 0 ? number_.lowest : number_.highest, open = side < 0 ? number_.open_low : number_.open_high;
+  const double limit = side < 0 ? number_.lowest : number_.highest,
+               open = side < 0 ? number_.open_low : number_.open_high;
   if (side * (limit - number_.estimate) <= 0) return open;
   const double root = std::sqrt(2 * kProfileDrop);
   // What is known already: from there on.
@@ -103,7 +105,8 @@ double Profile::end(double side, EndsStatus& status) {
       farther = false;
       const Point* next = nullptr;
       for (const Point& point : points_)
-        if (side * (point.value - inside) > 0 && (next == nullptr || side * (next->value - point.value) > 0)) next = &point;
+        if (side * (point.value - inside) > 0 && (next == nullptr || side * (next->value - point.value) > 0))
+          next = &point;
       if (next != nullptr && next->drop < kProfileDrop) {
         inside = next->value;
         farther = true;

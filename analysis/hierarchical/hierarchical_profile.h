@@ -41,9 +41,9 @@ struct HeldSearch {
 };
 struct HeldNumber {
   double estimate = 0;
-  double lowest = -kInf, highest = kInf;        // the furthest values that are looked at
-  double open_low = -kInf, open_high = kInf;    // what an end is where ln L does not fall so far
-  double unit = 1;                              // a first look is a third of it away
+  double lowest = -kInf, highest = kInf;      // the furthest values that are looked at
+  double open_low = -kInf, open_high = kInf;  // what an end is where ln L does not fall so far
+  double unit = 1;                            // a first look is a third of it away
   std::function<HeldSearch(double value, const HierarchicalMaximum& from)> hold;
   std::function<double(HierarchicalLikelihood&, const HierarchicalMaximum&)> slope;  // of ln L by the number
 };
@@ -82,7 +82,7 @@ class Profile {
   HierarchicalSearch& search_;
   const HierarchicalMaximum& best_;
   const HeldNumber& number_;
-  double most_work_ = kInf;  // of the search
+  double most_work_ = kInf;    // of the search
   std::vector<Point> points_;  // by value; one of them is the estimate
 };
 

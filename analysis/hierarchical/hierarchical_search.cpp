@@ -109,9 +109,10 @@ class Variables {
       const std::size_t before_shared = n - shared_.size(), squares = means_ + criteria();
       const bool rate = i >= before_shared && at_least_zero(shared_[i - before_shared]);
       const bool square = i >= squares && i < squares + spreads;
-      curvature[i * (n + 1)] =
-          std::max((square || rate ? kOfOneSquare : kOfOne) * static_cast<double>(participants),
-                   std::abs(slope[i]) / (rate ? kLongestOfRates : square ? kLongestOfSquares : kLongest));
+      curvature[i * (n + 1)] = std::max((square || rate ? kOfOneSquare : kOfOne) * static_cast<double>(participants),
+                                        std::abs(slope[i]) / (rate     ? kLongestOfRates
+                                                              : square ? kLongestOfSquares
+                                                                       : kLongest));
     }
     return curvature;
   }
@@ -163,7 +164,8 @@ class Variables {
     return numbers[static_cast<std::size_t>(which)];
   }
   std::size_t criteria() const noexcept {
-    return conditions_ - static_cast<std::size_t>(std::count(form_.held_criteria.begin(), form_.held_criteria.end(), true));
+    return conditions_ -
+           static_cast<std::size_t>(std::count(form_.held_criteria.begin(), form_.held_criteria.end(), true));
   }
 
   const HierarchicalForm& form_;
@@ -368,8 +370,8 @@ bool HierarchicalSearch::improve(const HierarchicalForm& form, HierarchicalMaxim
   start.curvature.clear();
   rough_.set_shared(best.shared);
   const double known = rough_.at(best.place).log_likelihood;
-  const HierarchicalMaximum found = maximise(rough_, form, start, unit_, kRoughlyNegligible,
-                                             most_work - likelihood_.work(), known + kPromising);
+  const HierarchicalMaximum found =
+      maximise(rough_, form, start, unit_, kRoughlyNegligible, most_work - likelihood_.work(), known + kPromising);
   if (std::isfinite(known) && !(found.log_likelihood > known + kPromising)) return false;
   HierarchicalMaximum better = climbed(form, found, most_work);
   if (!(better.log_likelihood > best.log_likelihood + kNegligible) && std::isfinite(best.log_likelihood)) return false;
@@ -440,8 +442,7 @@ PooledMaximum pooled_maximum(std::span<const HierarchicalCell> cells, ResponseMo
   for (const double aside : {0.0, -kAside, kAside}) {
     const double ln_s = held ? held_ln_s : std::clamp(range.ln_s + aside, box.lower[0], box.upper[0]);
     if (held && aside != 0) break;
-    const NewtonResult found =
-        maximise_in_box(function, {ln_s, range.criterion / unit}, box, -kInf, kPooledNegligible);
+    const NewtonResult found = maximise_in_box(function, {ln_s, range.criterion / unit}, box, -kInf, kPooledNegligible);
     if (found.value > best.log_likelihood) best = {found.place[0], found.place[1] * unit, found.value};
   }
   return best;
@@ -486,8 +487,7 @@ SearchRange search_range(std::span<const HierarchicalCell> cells, ResponseModel 
   // A step at the largest level has that criterion where ln s is least.
   const double steepest = kOutside * std::exp(kBeyond) * largest / smallest;
   range.lowest_criterion = -kRoomOfCriteria;
-  range.highest_criterion =
-      kRoomOfCriteria + (model == ResponseModel::differencing ? std::log(steepest) : steepest);
+  range.highest_criterion = kRoomOfCriteria + (model == ResponseModel::differencing ? std::log(steepest) : steepest);
   if (choice) {
     range.criterion = std::clamp(0.0, *levels.begin(), *levels.rbegin());
     range.lowest_criterion = *levels.begin() - kRoomOfCriteria * range.criterion_unit;

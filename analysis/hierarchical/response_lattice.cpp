@@ -253,7 +253,8 @@ double CellLikelihood::cover(const LatticeRange& range, ResponseLattice& respons
   return static_cast<double>(values_.size() * answers_.size());
 }
 
-double CellLikelihood::take(const LatticeRange& range, const ResponseLattice& responses, const ResponseLattice& beside) {
+double CellLikelihood::take(const LatticeRange& range, const ResponseLattice& responses,
+                            const ResponseLattice& beside) {
   if (!range_.empty() && range_.holds(range)) return 0;
   range_ = range;
   shared_ = responses.shared();
