@@ -178,7 +178,7 @@ LatticeSteps HierarchicalLikelihood::steps_about(std::size_t condition, const Hi
   for (const Person& person : people_) {
     design.clear();
     for (const QuestionAnswers& one : cell(person, condition).answers())
-      design.push_back({questions_[condition][one.question].level, one.counts.trials()});
+      if (one.counts.trials() > 0) design.push_back({questions_[condition][one.question].level, one.counts.trials()});
     const auto sd = [](double prior, double information) { return prior / std::sqrt(1 + prior * prior * information); };
     const double mode_s = place.mu[condition] + (person.u.low + person.u.high) / 2,
                  mode_k = place.kappa[condition] + (person.w.low + person.w.high) / 2;
@@ -187,12 +187,14 @@ LatticeSteps HierarchicalLikelihood::steps_about(std::size_t condition, const Hi
                  beside_k = kAround * sd(place.tw, person.information_w);
     for (const auto& [i, j] : {std::pair{0, 0}, {-1, 0}, {1, 0}, {0, -1}, {0, 1}}) {
       const double s = mode_s + i * beside_s, k = mode_k + j * beside_k;
-      most_s = std::max(most_s, expected_information(model_, design, s, k, without_lapses).s);
-      for (const LevelTrials& level : design)
-        if (level.trials > 0 && !choice()) {
-          const LevelTrials one{level.level, 1};
-          most_k = std::max(most_k, expected_information(model_, std::span(&one, 1), s, k, without_lapses).k);
-        }
+      double told_s = 0;
+      for (const LevelTrials& level : design) {
+        const LevelTrials one{level.level, 1};
+        const CellInformation told = expected_information(model_, std::span(&one, 1), s, k, without_lapses);
+        told_s += level.trials * told.s;
+        most_k = std::max(most_k, told.k);
+      }
+      most_s = std::max(most_s, told_s);
     }
   }
   const double narrowest = std::min(kWidest, 1 / std::sqrt(most_s));

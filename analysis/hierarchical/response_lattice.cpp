@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
+#include <tuple>
 #include <utility>
 
 #include "analysis/lattice/fast_functions.h"
@@ -55,18 +57,9 @@ class AlikeAnswers {
   double least_ = 1, most_ = 1;  // that the product can be
 };
 
-// Of one probability of both answers.
-double nanoseconds_of(ResponseModel model) {
-  switch (model) {
-    case ResponseModel::yes_no:
-    case ResponseModel::choice:
-      return 60;
-    case ResponseModel::differencing:
-      return 150;
-    case ResponseModel::independent:
-      return 300;
-  }
-  return 0;
+// Of the probabilities of both answers, or of all four.
+double nanoseconds_of(ResponseModel model, bool graded) {
+  return (model == ResponseModel::differencing ? 150 : 20) * (graded ? 3 : 1) + (graded ? 60 : 0);
 }
 
 }  // namespace
@@ -154,27 +147,43 @@ void ResponseLattice::lay_out_question(std::size_t i, const LatticeRange& before
     known[t] = std::move(all[t]->without_lapses);
     all[t]->without_lapses.resize(all[t]->share > 0 ? range_.wide() * range_.high() : 0);
   }
-  std::vector<double> slopes;
-  for (int s = range_.s0; s <= range_.s1; ++s) slopes.push_back(std::exp(-(s * steps_.ln_s + shift_s)));
-  const bool no_slope = model_ == ResponseModel::yes_no && question.level == 0;  // the same at every spread
+  std::vector<double> slopes, judged;
+  for (int s = range_.s0; s <= range_.s1; ++s) {
+    slopes.push_back(std::exp(-(s * steps_.ln_s + shift_s)));
+    judged.push_back(model_ == ResponseModel::differencing ? 0 : judged_by(model_, question.level, slopes.back()));
+  }
+  struct Row {
+    std::vector<double> positive, negative;
+  };
+  Row above_it, below_it;
   // Of this row the nodes between.
   const auto calculate = [&](int k, int from, int to) {
-    if (from <= to) worked_ += (no_slope ? 1 : to - from + 1) * nanoseconds_of(model_) * (shared_.graded() ? 1.5 : 1);
-    const double criterion = steps_.origin + k * steps_.criterion + shift_k;
-    GradedLogRates rates{};
-    for (int s = from; s <= to; ++s) {
-      const std::size_t at = range_.place(s, k);
-      const double slope = slopes[static_cast<std::size_t>(s - range_.s0)];
-      if (s == from || !no_slope) {
-        if (shared_.graded())
-          rates = graded_log_rates(model_, question.level, -std::log(slope), criterion, without_lapses);
-        else
-          rates.unsure = log_rates_of_slope(model_, question.level, slope, criterion, 0);
-      }
-      tables.positive.without_lapses[at] = rates.unsure.positive;
-      tables.negative.without_lapses[at] = rates.unsure.negative;
-      if (above) tables.sure_positive.without_lapses[at] = rates.sure.positive;
-      if (below) tables.sure_negative.without_lapses[at] = rates.sure.negative;
+    if (from > to) return;
+    const auto count = static_cast<std::size_t>(to - from) + 1, first = static_cast<std::size_t>(from - range_.s0);
+    worked_ += static_cast<double>(count) * nanoseconds_of(model_, shared_.graded());
+    const std::size_t at = range_.place(from, k);
+    double *positive = &tables.positive.without_lapses[at], *negative = &tables.negative.without_lapses[at];
+    const auto take = [&](double shift, double* to_positive, double* to_negative) {
+      log_rates_of_slopes(model_, question.level, std::span(slopes).subspan(first, count),
+                          std::span(judged).subspan(first, count),
+                          steps_.origin + k * steps_.criterion + shift_k + shift, to_positive, to_negative);
+    };
+    take(0, positive, negative);
+    if (!shared_.graded()) return;
+    for (auto& [row, shift, asked] :
+         {std::tuple{&above_it, shared_.sure_above, above}, {&below_it, -shared_.sure_below, below}}) {
+      row->positive.resize(count);
+      row->negative.resize(count);
+      if (asked) take(shift, row->positive.data(), row->negative.data());
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      const GradedLogRates rates =
+          graded_log_rates({positive[i], negative[i]}, {above_it.positive[i], above_it.negative[i]},
+                           {below_it.positive[i], below_it.negative[i]}, without_lapses);
+      positive[i] = rates.unsure.positive;
+      negative[i] = rates.unsure.negative;
+      if (above) tables.sure_positive.without_lapses[at + i] = rates.sure.positive;
+      if (below) tables.sure_negative.without_lapses[at + i] = rates.sure.negative;
     }
   };
   const int s0 = std::max(before.s0, range_.s0), s1 = std::min(before.s1, range_.s1);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <numbers>
+#include <vector>
 
 #include "analysis/lattice/fast_functions.h"
 #include "analysis/numerics/normal.h"
@@ -37,13 +38,11 @@ double unbiased_z(double dprime) {
   return std::copysign(-normal_quantile(2 * normal_cdf(half) * normal_cdf(-half)), dprime);
 }
 
-// What the answer is judged by, less the criterion, in units of its noise.
-double decision(ResponseModel model, double level, double slope, double criterion) {
-  if (model == ResponseModel::choice) return (level - criterion) * slope;
-  return (model == ResponseModel::independent ? unbiased_z(level * slope) : level * slope) - criterion;
-}
-
 }  // namespace
+
+double judged_by(ResponseModel model, double level, double slope) {
+  return model == ResponseModel::independent ? unbiased_z(level * slope) : level * slope;
+}
 
 LogRates log_rates(ResponseModel model, double level, double ln_s, double criterion, double lapse) {
   return log_rates_of_slope(model, level, std::exp(-ln_s), criterion, lapse);
@@ -55,22 +54,48 @@ LogRates log_rates_of_slope(ResponseModel model, double level, double slope, dou
     const double different = normal_cdf(d - t) + normal_cdf(-d - t), same = normal_cdf(t - d) - normal_cdf(-d - t);
     return {mixed(std::log(different), lapse), mixed(std::log(same), lapse)};
   }
-  const double z = decision(model, level, slope, criterion);
+  const double z = judged_by(model, level, slope) - criterion * (model == ResponseModel::choice ? slope : 1);
   return {mixed(tabled_log_normal_cdf(z), lapse), mixed(tabled_log_normal_cdf(-z), lapse)};
+}
+
+void log_rates_of_slopes(ResponseModel model, double level, std::span<const double> slopes,
+                         std::span<const double> judged, double criterion, double* positive, double* negative) {
+  if (model == ResponseModel::differencing) {
+    for (std::size_t i = 0; i < slopes.size(); ++i) {
+      const LogRates rates = log_rates_of_slope(model, level, slopes[i], criterion, 0);
+      positive[i] = rates.positive;
+      negative[i] = rates.negative;
+    }
+    return;
+  }
+  std::vector<double> z(judged.begin(), judged.end());
+  for (std::size_t i = 0; i < z.size(); ++i) z[i] -= criterion * (model == ResponseModel::choice ? slopes[i] : 1);
+  log_normal_cdfs(z, positive);
+  for (double& one : z) one = -one;
+  log_normal_cdfs(z, negative);
+  for (std::size_t i = 0; i < z.size(); ++i) {
+    positive[i] = std::max(positive[i], kLeastLog);
+    negative[i] = std::max(negative[i], kLeastLog);
+  }
 }
 
 GradedLogRates graded_log_rates(ResponseModel model, double level, double ln_s, double criterion,
                                 const SharedParameters& shared) {
-  const LogRates middle = log_rates(model, level, ln_s, criterion, 0);
+  const auto rates_at = [&](double shift) {
+    return std::isfinite(shift) ? log_rates(model, level, ln_s, criterion + shift, 0) : LogRates{};
+  };
+  return graded_log_rates(rates_at(0), rates_at(shared.sure_above), rates_at(-shared.sure_below), shared);
+}
+
+GradedLogRates graded_log_rates(const LogRates& middle, const LogRates& above, const LogRates& below,
+                                const SharedParameters& shared) {
   GradedLogRates rates = {middle, {kLeastLog, kLeastLog}};
   const auto guess = [](double distance) { return std::isfinite(distance) ? 0.25 : 0.5; };
   if (std::isfinite(shared.sure_above)) {
-    const LogRates above = log_rates(model, level, ln_s, criterion + shared.sure_above, 0);
     rates.sure.positive = mixed(above.positive, shared.lapse, 0.25);
     rates.unsure.positive = log_between(middle, above);
   }
   if (std::isfinite(shared.sure_below)) {
-    const LogRates below = log_rates(model, level, ln_s, criterion - shared.sure_below, 0);
     rates.sure.negative = mixed(below.negative, shared.lapse, 0.25);
     rates.unsure.negative = log_between(below, middle);
   }

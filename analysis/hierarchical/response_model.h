@@ -35,6 +35,12 @@ struct LogRates {
 LogRates log_rates(ResponseModel model, double level, double ln_s, double criterion, double lapse);
 // The same for slope = e^-ln_s, which many answers share.
 LogRates log_rates_of_slope(ResponseModel model, double level, double slope, double criterion, double lapse);
+// What an answer is judged by, before its criterion: a level, in units of its noise, or of intervals judged by themselves
+// half the distance of their decisions. Not of differencing.
+double judged_by(ResponseModel model, double level, double slope);
+// The same for many slopes, without lapses: judged[i] is judged_by() slopes[i].
+void log_rates_of_slopes(ResponseModel model, double level, std::span<const double> slopes,
+                         std::span<const double> judged, double criterion, double* positive, double* negative);
 
 // The same where answers are sure or unsure. A positive one is sure beyond a criterion that lies sure_above over k, a
 // negative one beyond one sure_below under it:
@@ -45,6 +51,9 @@ struct GradedLogRates {
   LogRates unsure, sure;
 };
 GradedLogRates graded_log_rates(ResponseModel model, double level, double ln_s, double criterion,
+                                const SharedParameters& shared);
+// From those of both answers with the criterion itself, sure_above over it and sure_below under it, without lapses.
+GradedLogRates graded_log_rates(const LogRates& middle, const LogRates& above, const LogRates& below,
                                 const SharedParameters& shared);
 
 // Answers to one question.

@@ -34,30 +34,49 @@ class LogNormalTable {
     }
   }
 
-  bool holds(double z) const noexcept { return z > kLowest && z < kHighest; }
-  double at(double z) const noexcept {
-    const int place = static_cast<int>((z - kHalfBefore) * kPlaces);
-    const double beside = z - (kLowest + static_cast<double>(place) / kPlaces);
-    const Polynomial& polynomial = polynomials_[static_cast<std::size_t>(place)];
-    double value = polynomial[kDegree];
-    for (std::size_t n = kDegree; n-- > 0;) value = value * beside + polynomial[n];
-    return value;
-  }
-
- private:
   static constexpr int kLowest = -38, kHighest = 9, kPlaces = 32;
   static constexpr double kHalfBefore = kLowest - 0.5 / kPlaces;  // the nearest place is the last one half before
   static constexpr std::size_t kDegree = 6;
   using Polynomial = std::array<double, kDegree + 1>;
+
+  const double* numbers() const noexcept { return polynomials_.front().data(); }
+
+ private:
   std::vector<Polynomial> polynomials_;
 };
+
+// Between the ends of the table.
+inline double looked_up(double z, const double* numbers) noexcept {
+  using T = LogNormalTable;
+  const double inside = z < T::kLowest ? T::kLowest : z > T::kHighest ? T::kHighest : z;
+  const int place = static_cast<int>((inside - T::kHalfBefore) * T::kPlaces);
+  const double beside = inside - (T::kLowest + static_cast<double>(place) / T::kPlaces);
+  const double* polynomial = numbers + static_cast<std::ptrdiff_t>(place) * static_cast<int>(T::kDegree + 1);
+  double value = polynomial[T::kDegree];
+  for (std::size_t n = T::kDegree; n-- > 0;) value = value * beside + polynomial[n];
+  return value;
+}
+
+JND_WIDE_REGISTERS void look_up(const double* z, std::size_t count, const double* numbers, double* found) noexcept {
+  for (std::size_t i = 0; i < count; ++i) found[i] = looked_up(z[i], numbers);
+}
+
+const double* log_normal_numbers() {
+  static const LogNormalTable table;
+  return table.numbers();
+}
 
 }  // namespace
 
 double tabled_log_normal_cdf(double z) noexcept {
-  static const LogNormalTable table;
-  if (table.holds(z)) return table.at(z);
-  return z > 0 ? 0 : log_normal_cdf(z).log_cdf;  // -1e-19 and less
+  if (z > LogNormalTable::kHighest) return 0;  // -1e-19 and less
+  return z < LogNormalTable::kLowest ? log_normal_cdf(z).log_cdf : looked_up(z, log_normal_numbers());
+}
+
+void log_normal_cdfs(std::span<const double> z, double* found) noexcept {
+  look_up(z.data(), z.size(), log_normal_numbers(), found);
+  for (std::size_t i = 0; i < z.size(); ++i)
+    if (z[i] > LogNormalTable::kHighest || z[i] < LogNormalTable::kLowest) found[i] = tabled_log_normal_cdf(z[i]);
 }
 
 // e^x = 2^n e^r with n whole and |r| <= ln 2 / 2: Taylor's polynomial of e^r, and n put into the exponent's bits.
