@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <tuple>
 
-#include <boost/math/tools/toms748_solve.hpp>
+#include <boost/math/tools/roots.hpp>
 
 #include "analysis/choice/two_interval_solution.h"
 #include "analysis/numerics/profile_interval.h"
@@ -87,7 +87,7 @@ double choice_crossing(const Drop& drop, double inside, double outside) {
     return std::abs(a - b) <= 1e-12 * (1e-3 + std::fmin(std::abs(a), std::abs(b)));
   };
   std::uintmax_t most = 200;
-  std::tie(low, high) = boost::math::tools::toms748_solve(excess, low, high, at_low, at_high, close, most);
+  std::tie(low, high) = boost::math::tools::bisect(excess, low, high, close, most);
   return 0.5 * (low + high);
 }
 
@@ -173,9 +173,8 @@ class ChoiceIntervals {
     const auto drop = [&](double t) { return profile_.at_pse(t); };
     double last = -direction * kChoiceFarthest;
     if (drop(last) > kProfileDrop) return -direction * kInf;
-    // NOLINTNEXTLINE(cert-flp30-c)
-    for (double distance = kChoiceFarthest / 2; distance > 0.5; distance /= 2) {
-      const double next = -direction * distance;
+    while (std::abs(last) > 1) {
+      const double next = last / 2;
       if (drop(next) > kProfileDrop) return on_axis(choice_crossing(drop, last, next));
       last = next;
     }
@@ -195,9 +194,12 @@ class ChoiceIntervals {
     const bool open = profile_.below(of_.constant.value) <= kProfileDrop;
     if (profile_.concave() && open) return 0;
     const double factor = profile_.concave() ? 0.5 : 0.75;
-    // NOLINTNEXTLINE(cert-flp30-c)
-    for (double last = c; last > 1e-4; last *= factor)
-      if (drop(last * factor) > kProfileDrop) return choice_crossing(drop, last, last * factor);
+    double last = c;
+    while (last > 1e-4) {
+      const double next = last * factor;
+      if (drop(next) > kProfileDrop) return choice_crossing(drop, last, next);
+      last = next;
+    }
     return open ? 0 : choice_crossing(drop, 1e-5, 0);
   }
 
