@@ -1,9 +1,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <tuple>
 
-#include <boost/math/tools/roots.hpp>
+#include <boost/math/tools/toms748_solve.hpp>
 
 #include "analysis/choice/two_interval_solution.h"
 #include "analysis/numerics/profile_interval.h"
@@ -74,9 +75,10 @@ class ChoiceProfile {
   ChoicePlace warm_;
 };
 
+using ChoiceDrop = std::function<double(double)>;  // of ln L below its largest, where a parameter is held at a value
+
 // Where the drop passes kProfileDrop, between a value with less and one with more.
-template <typename Drop>
-double choice_crossing(const Drop& drop, double inside, double outside) {
+double choice_crossing(const ChoiceDrop& drop, double inside, double outside) {
   const auto excess = [&](double x) { return std::fmin(drop(x) - kProfileDrop, 1e3); };
   double low = std::fmin(inside, outside), high = std::fmax(inside, outside);
   const double at_low = excess(low), at_high = excess(high);
@@ -87,13 +89,12 @@ double choice_crossing(const Drop& drop, double inside, double outside) {
     return std::abs(a - b) <= 1e-12 * (1e-3 + std::fmin(std::abs(a), std::abs(b)));
   };
   std::uintmax_t most = 200;
-  std::tie(low, high) = boost::math::tools::bisect(excess, low, high, close, most);
+  std::tie(low, high) = boost::math::tools::toms748_solve(excess, low, high, at_low, at_high, close, most);
   return 0.5 * (low + high);
 }
 
 // Walks from inside in growing steps until the drop is passed; end where it is not.
-template <typename Drop>
-double choice_walk(const Drop& drop, double inside, double step, double growth, double end) {
+double choice_walk(const ChoiceDrop& drop, double inside, double step, double growth, double end) {
   double last = inside;
   for (;;) {
     double next = last + step;
