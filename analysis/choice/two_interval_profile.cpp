@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <tuple>
 
 #include <boost/math/tools/toms748_solve.hpp>
@@ -74,9 +75,10 @@ class ChoiceProfile {
   ChoicePlace warm_;
 };
 
+using ChoiceDrop = std::function<double(double)>;  // of ln L below its largest, where a parameter is held at a value
+
 // Where the drop passes kProfileDrop, between a value with less and one with more.
-template <typename Drop>
-double choice_crossing(const Drop& drop, double inside, double outside) {
+double choice_crossing(const ChoiceDrop& drop, double inside, double outside) {
   const auto excess = [&](double x) { return std::fmin(drop(x) - kProfileDrop, 1e3); };
   double low = std::fmin(inside, outside), high = std::fmax(inside, outside);
   const double at_low = excess(low), at_high = excess(high);
@@ -92,8 +94,7 @@ double choice_crossing(const Drop& drop, double inside, double outside) {
 }
 
 // Walks from inside in growing steps until the drop is passed; end where it is not.
-template <typename Drop>
-double choice_walk(const Drop& drop, double inside, double step, double growth, double end) {
+double choice_walk(const ChoiceDrop& drop, double inside, double step, double growth, double end) {
   double last = inside;
   for (;;) {
     double next = last + step;
@@ -173,9 +174,8 @@ class ChoiceIntervals {
     const auto drop = [&](double t) { return profile_.at_pse(t); };
     double last = -direction * kChoiceFarthest;
     if (drop(last) > kProfileDrop) return -direction * kInf;
-    // NOLINTNEXTLINE(cert-flp30-c)
-    for (double distance = kChoiceFarthest / 2; distance > 0.5; distance /= 2) {
-      const double next = -direction * distance;
+    while (std::abs(last) > 1) {
+      const double next = last / 2;
       if (drop(next) > kProfileDrop) return on_axis(choice_crossing(drop, last, next));
       last = next;
     }
@@ -195,9 +195,12 @@ class ChoiceIntervals {
     const bool open = profile_.below(of_.constant.value) <= kProfileDrop;
     if (profile_.concave() && open) return 0;
     const double factor = profile_.concave() ? 0.5 : 0.75;
-    // NOLINTNEXTLINE(cert-flp30-c)
-    for (double last = c; last > 1e-4; last *= factor)
-      if (drop(last * factor) > kProfileDrop) return choice_crossing(drop, last, last * factor);
+    double last = c;
+    while (last > 1e-4) {
+      const double next = last * factor;
+      if (drop(next) > kProfileDrop) return choice_crossing(drop, last, next);
+      last = next;
+    }
     return open ? 0 : choice_crossing(drop, 1e-5, 0);
   }
 

@@ -165,9 +165,9 @@ int place_of(double value) {
 
 double with_digits(double value, int digits) {
   std::array<char, 32> text{};  // -d.dddddddddddddde-ddd
-  const auto end = std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::scientific,
-                                 std::max(digits, 1) - 1)
-                       .ptr;
+  auto* const end = std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::scientific,
+                                  std::max(digits, 1) - 1)
+                        .ptr;
   double rounded = value;
   std::from_chars(text.data(), end, rounded);
   return rounded;

@@ -7,6 +7,7 @@
 #include "data/fields/result_fields.h"
 #include "protocols/planning/track_threshold.h"
 #include "runner/results/field_output.h"
+#include "runner/results/result_format.h"
 #include "runner/results/result_table_parts.h"
 #include "runner/terminal/number_text.h"
 

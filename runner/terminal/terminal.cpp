@@ -60,7 +60,7 @@ std::string shell_quoted(std::string_view text) {
 
 std::string shell_word(std::string_view name) {
   constexpr std::string_view kPlain = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-./,:@%+";
-  const std::string word = (name.starts_with('-') ? "./" : "") + std::string(name);
+  std::string word = (name.starts_with('-') ? "./" : "") + std::string(name);
   if (!word.empty() && word.find_first_not_of(kPlain) == std::string::npos) return word;
   if (printable(word) == word) return shell_quoted(word);
   std::string escaped = "$'";  // of bash and zsh
