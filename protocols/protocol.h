@@ -305,7 +305,8 @@ struct AnalysisPlan {
   UnfinishedTracks unfinished_tracks = UnfinishedTracks::leave_out;  // of staircases, see adaptive_threshold.h
   bool by_delivered = false;                                         // slopes over the delivered stiffness differences
   bool hierarchical =
-      false;  // contrasts are ratios of JNDs by one model of everybody's answers, not of separate values
+      false;                 // contrasts are ratios of JNDs by one model of everybody's answers, not of separate values
+  bool own_spreads = false;  // of that model: people differ by other spreads in every condition
   Exclusions exclude;
   std::vector<Contrast> contrasts;
   GroupTestPlan tests;

@@ -51,7 +51,8 @@ std::vector<HierarchicalCell> drawn_answers(std::span<const HierarchicalCell> ce
       const double first = standard_normal(person.stream), second = standard_normal(person.stream);
       person.u = truth.tu * first;
       person.w = truth.tw * (truth.rho * first + std::sqrt(1 - truth.rho * truth.rho) * second);
-      for (std::size_t i = 0; i < truth.mu.size(); ++i) person.v.push_back(truth.tv * standard_normal(person.stream));
+      for (std::size_t i = 0; i < truth.mu.size(); ++i)
+        person.v.push_back(truth.tv_of(i) * standard_normal(person.stream));
     }
     Person& person = people[number];
     const double ln_s = truth.mu[c] + person.u + person.v[c], k = truth.kappa[c] + person.w;
@@ -66,11 +67,13 @@ std::vector<HierarchicalCell> drawn_answers(std::span<const HierarchicalCell> ce
                         ? alike_answers(person.stream, trials, p, model.shared.overdispersion)
                         : draw(trials, p);
     cell.negative = trials - cell.positive;
-    const LogRates sure = graded_log_rates(model.response, cell.level, half_ln_s, half_k, model.shared).sure;
-    cell.sure_positive =
-        std::isfinite(model.shared.sure_above) ? draw(cell.positive, std::exp(sure.positive - of.positive)) : 0;
-    cell.sure_negative =
-        std::isfinite(model.shared.sure_below) ? draw(cell.negative, std::exp(sure.negative - of.negative)) : 0;
+    const AnswerChances chances = answer_chances(model.response, cell.level, half_ln_s, half_k, model.shared);
+    cell.sure_positive = std::isfinite(model.shared.sure_above)
+                             ? draw(cell.positive, chances.sure_positive.chance / std::exp(of.positive))
+                             : 0;
+    cell.sure_negative = std::isfinite(model.shared.sure_below)
+                             ? draw(cell.negative, chances.sure_negative.chance / std::exp(of.negative))
+                             : 0;
   }
   return drawn;
 }

@@ -19,14 +19,15 @@ namespace jnd {
 namespace {
 
 constexpr double kFirstSpread = 0.3, kFirstSpreadWithin = 0.15;  // where a search begins
-// Of drawn studies: a likelihood of that fineness errs by a few 1e-4 of ln L, and by much less in its slopes.
-constexpr double kRoughFineness = 0.75, kRoughlyNegligible = 1e-4;
+// Of drawn studies: a likelihood of that fineness errs by about 1e-4 of ln L, and by much less in its slopes.
+constexpr double kRoughFineness = 0.8, kRoughlyNegligible = 1e-4;
 // Of ln L: what nodes may err by, how much denser they are to tell, and how dense at most.
 constexpr double kExact = 1e-6, kDenser = 1.5, kDensest = 3.5;
 constexpr int kMostRestarts = 6;  // because a larger likelihood was come upon
-// Of HierarchicalLikelihood::work(), of which a second has about 1e9: for the search of everything, and for complete(), of
-// which means and criteria have a half and everything else the other, each number its share.
-constexpr double kMostOfFit = 4e9, kMostOfAll = 16e9, kOfTest = 0.3;
+// Of HierarchicalLikelihood::work(), of which a second has about 1e9: for the search of everything, which takes up no other
+// start beyond the half of it, and for complete(), of which means and criteria have a half and everything else the other,
+// each number its share.
+constexpr double kMostOfFit = 8e9, kMostOfStarts = 4e9, kMostOfAll = 11e9, kOfTest = 0.3;
 
 double trials_of(std::span<const HierarchicalCell> cells) {
   return std::accumulate(cells.begin(), cells.end(), 0.0,
@@ -40,10 +41,12 @@ std::vector<HierarchicalCell> of_condition(std::span<const HierarchicalCell> cel
   return chosen;
 }
 
-constexpr std::array kSpreads = {&HierarchicalPlace::tu, &HierarchicalPlace::tv, &HierarchicalPlace::tw};
-constexpr std::array kSpreadsOfForm = {&HierarchicalForm::tu, &HierarchicalForm::tv, &HierarchicalForm::tw};
-
 }  // namespace
+
+std::string hierarchical_assumptions(bool own_tv) {
+  return "Assumed: ln JND differs between people, and their criteria do, as normal distributions do, by " +
+         std::string(spreads_assumed(own_tv)) + ", and nobody's answers change during the study.";
+}
 
 SlopeStatus counted_status(std::span<const HierarchicalCell> cells) {
   double positive = 0, negative = 0, highest_negative = -kInf, lowest_positive = kInf;
@@ -158,13 +161,13 @@ HierarchicalMaximum HierarchicalAnalysis::first_place(const HierarchicalPlace* n
     }
     if (kept(c)) place.mu[c] = std::clamp(place.mu[c], form_.lowest, form_.highest);
   }
-  const std::array first = {kFirstSpread, kFirstSpreadWithin, kFirstSpread * range_.criterion_unit};
-  for (std::size_t i = 0; i < kSpreads.size(); ++i) {
-    if (!(form_.*kSpreadsOfForm[i]))
-      place.*kSpreads[i] = 0;
-    else if (near == nullptr)
-      place.*kSpreads[i] = first[i];
-  }
+  const auto first = [near](bool free, double known, double otherwise) {
+    return !free ? 0 : near != nullptr ? known : otherwise;
+  };
+  place.tu = first(form_.tu, place.tu, kFirstSpread);
+  place.tv = first(form_.tv, place.tv, kFirstSpreadWithin);
+  place.tw = first(form_.tw, place.tw, kFirstSpread * range_.criterion_unit);
+  place.own_tv.assign(model_.own_tv && form_.tv ? conditions : 0, place.tv);
   if (!form_.rho) place.rho = 0;
   return start;
 }
@@ -173,23 +176,21 @@ HierarchicalMaximum HierarchicalAnalysis::first_place(const HierarchicalPlace* n
 // fewer spreads may lie higher.
 void HierarchicalAnalysis::ask_spreads(const HierarchicalForm& form, HierarchicalMaximum& best) {
   constexpr std::array kAsked = {0.03, 0.12, 0.5};
-  for (std::size_t round = 0, asked = 0; asked < kSpreads.size() && round < 4 * kSpreads.size(); ++round) {
-    const std::size_t i = round % kSpreads.size();
-    const auto spread = kSpreads[i];
+  const std::size_t spreads = free_spreads(form, best.place).size();
+  for (std::size_t round = 0, asked = 0; asked < spreads && round < 4 * spreads; ++round) {
     ++asked;
-    if (!(form.*kSpreadsOfForm[i])) continue;
-    if (best.place.*spread > 0) {
-      HierarchicalMaximum start = best;
-      start.place.*spread = 0;
-      if (search_->improve(form, start, best, kMostOfFit - spent_)) asked = 0;
+    HierarchicalMaximum start = best;
+    const auto [spread, unit] = free_spreads(form, start.place, range_.criterion_unit)[round % spreads];
+    if (*spread > 0) {
+      *spread = 0;
+      if (search_->improve(form, start, best, kMostOfStarts - spent_)) asked = 0;
       continue;
     }
     for (const double one : kAsked) {
-      HierarchicalMaximum start = best;
-      start.place.*spread = one * (spread == &HierarchicalPlace::tw ? range_.criterion_unit : 1);
+      *spread = one * unit;
       search_->likelihood().set_shared(start.shared);
       if (!(search_->likelihood().at(start.place).log_likelihood > best.log_likelihood + kNegligible)) continue;
-      if (search_->improve(form, start, best, kMostOfFit - spent_)) asked = 0;
+      if (search_->improve(form, start, best, kMostOfStarts - spent_)) asked = 0;
       break;
     }
   }
@@ -201,7 +202,7 @@ HierarchicalMaximum HierarchicalAnalysis::largest(const HierarchicalForm& form, 
   HierarchicalMaximum best = climbed(form, first);
   if (effort_ == SearchEffort::drawn) return best;
   for (const HierarchicalMaximum& start : with_other_spreads(form, first, range_.criterion_unit))
-    search_->improve(form, start, best, kMostOfFit - spent_);
+    search_->improve(form, start, best, kMostOfStarts - spent_);
   for (const double aside : {-1.0, 1.0}) {
     if (!many) break;
     HierarchicalMaximum start = first;
@@ -211,7 +212,7 @@ HierarchicalMaximum HierarchicalAnalysis::largest(const HierarchicalForm& form, 
       start.place.kappa[c] =
           pooled_maximum(of_condition(cells_, c), model_.response, model_.shared, range_, start.place.mu[c]).criterion;
     }
-    search_->improve(form, start, best, kMostOfFit - spent_);
+    search_->improve(form, start, best, kMostOfStarts - spent_);
   }
   ask_spreads(form, best);
   return best;
@@ -266,8 +267,16 @@ void HierarchicalAnalysis::settle() {
     status = value == 0 ? SpreadStatus::zero : value > largest * (1 - 1e-6) ? SpreadStatus::at_limit : SpreadStatus::ok;
   };
   spread(fit_.tu, found.tu, kLargestSpread);
-  spread(fit_.tv, found.tv, kLargestSpread);
   spread(fit_.tw, found.tw / range_.criterion_unit, kLargestSpreadOfCriteria);
+  if (found.own_tv.empty()) spread(fit_.tv, found.tv, kLargestSpread);
+  for (std::size_t c = 0; c < found.own_tv.size(); ++c) {
+    ConditionMean& one = fit_.conditions[c];
+    one.tv = kept(c) ? found.own_tv[c] : kNaN;
+    one.tv_status = SpreadStatus::ok;
+    spread(one.tv_status, one.tv, kLargestSpread);
+    if (!kept(c)) one.tv_status = SpreadStatus::not_identified;
+    fit_.tv = SpreadStatus::by_condition;
+  }
   if (fit_.rho != SpreadStatus::not_asked) {
     const bool told = found.tu > 0 && found.tw > 0;
     if (!told) fit_.maximum.place.rho = 0;
@@ -434,7 +443,7 @@ std::vector<HierarchicalAnalysis::Task> HierarchicalAnalysis::tasks_of(const Hie
     if (choice && one.status == SlopeStatus::ok && !form_.held_criteria[c])
       tasks.push_back({.number = criterion_number(c), .of_condition = true, .ends = &one.criterion_ends});
   }
-  fit_.differences.clear();
+  if (!wish.pairs.empty()) fit_.differences.clear();
   fit_.differences.reserve(wish.pairs.size());
   for (const auto& [a, b] : wish.pairs) {
     ConditionDifference& one = fit_.differences.emplace_back();
@@ -451,7 +460,7 @@ std::vector<HierarchicalAnalysis::Task> HierarchicalAnalysis::tasks_of(const Hie
                        one.p = chi2_upper(one.lr, 1);
                      }});
   }
-  fit_.shared_estimates.clear();
+  if (wish.shared) fit_.shared_estimates.clear();
   fit_.shared_estimates.reserve(kSharedParameters.size());
   for (const SharedParameter which : kSharedParameters) {
     if (!wish.shared || !model_.estimated.has(which)) continue;
@@ -479,8 +488,11 @@ std::vector<HierarchicalAnalysis::Task> HierarchicalAnalysis::tasks_of(const Hie
 
 const HierarchicalFit& HierarchicalAnalysis::complete(const HierarchicalWish& wish, int threads) {
   double left = kMostOfAll;
+  wished_.intervals = wished_.intervals || wish.intervals;
+  wished_.shared = wished_.shared || wish.shared;
+  if (!wish.pairs.empty()) wished_.pairs = wish.pairs;
   for (int restart = 0;; ++restart) {
-    std::vector<Task> tasks = tasks_of(wish);
+    std::vector<Task> tasks = tasks_of(restart == 0 ? wish : wished_);
     if (tasks.empty()) return fit_;
     const auto means = std::count_if(tasks.begin(), tasks.end(), [](const Task& one) { return one.of_condition; });
     const auto others = static_cast<std::ptrdiff_t>(tasks.size()) - means;
@@ -544,6 +556,7 @@ double HierarchicalAnalysis::drop_of(const Number& number, double value) {
     } catch (const BetterMaximum& found) {
       if (restart == kMostRestarts) return 0;
       search_from(largest(form_, found.maximum, false));
+      complete(HierarchicalWish(wished_));
     }
   }
 }

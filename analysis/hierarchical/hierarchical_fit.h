@@ -13,6 +13,7 @@
 #include <functional>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -24,9 +25,10 @@
 namespace jnd {
 
 // What everyone who reads a number of the model is told.
-inline constexpr std::string_view kHierarchicalAssumptions =
-    "Assumed: ln JND differs between people, and their criteria do, as normal distributions do, by the same spreads in "
-    "every condition, and nobody's answers change during the study.";
+constexpr std::string_view spreads_assumed(bool own_tv) noexcept {
+  return own_tv ? "spreads of each condition's own" : "the same spreads in every condition";
+}
+std::string hierarchical_assumptions(bool own_tv);
 
 // What is estimated besides the means and criteria of the conditions.
 struct HierarchicalModel {
@@ -35,6 +37,7 @@ struct HierarchicalModel {
   SharedForm estimated{};                // the others
   bool tu = true, tv = true, tw = true;  // spreads of persons, of persons by condition, of criteria
   bool rho = false;                      // the correlation of u and w, with tu and tw
+  bool own_tv = false;                   // with tv: one of each condition
   bool one_mean = false;                 // one mu for all conditions
 };
 
@@ -56,13 +59,15 @@ enum class SpreadStatus {
   zero,            // the likelihood is largest at 0: the answers show no such difference between people
   at_limit,        // as large as is searched (hierarchical_search.h): the answers set no bound
   not_identified,  // one participant; or, of persons by condition, nobody in more than one condition: taken as 0
-  not_asked        // not in the model: 0
+  not_asked,       // not in the model: 0
+  by_condition     // each condition has its own
 };
 inline constexpr auto kSpreadStatusWords = words<SpreadStatus>({{"ok", SpreadStatus::ok},
                                                                 {"zero", SpreadStatus::zero},
                                                                 {"at_limit", SpreadStatus::at_limit},
                                                                 {"not_identified", SpreadStatus::not_identified},
-                                                                {"not_asked", SpreadStatus::not_asked}});
+                                                                {"not_asked", SpreadStatus::not_asked},
+                                                                {"by_condition", SpreadStatus::by_condition}});
 
 // Of a JND, of the group's in a condition or a person's alone. Without trials, and where the counts alone tell that there
 // is none, nothing is searched: a condition is left out of the model.
@@ -91,6 +96,8 @@ struct ConditionMean {
   SlopeStatus status = SlopeStatus::ok;
   ProfileEnds ends;            // of mu
   ProfileEnds criterion_ends;  // of choices: of the criterion; of other models not computed
+  double tv = kNaN;            // where each condition has its own
+  SpreadStatus tv_status = SpreadStatus::not_asked;
 };
 
 // mu of condition a less that of b: the logarithm of the ratio of the JNDs. NaN, with its ends, where one has no JND;
@@ -141,7 +148,7 @@ struct HierarchicalFit {
 };
 
 // How much is searched: of one study all that is worth it; of the thousands that are drawn from a known truth one start,
-// with rougher nodes, whose ln L errs by a few 1e-4.
+// with rougher nodes, whose ln L errs by about 1e-4.
 enum class SearchEffort { thorough, drawn };
 
 // What complete() adds to a fit.
@@ -162,8 +169,8 @@ class HierarchicalAnalysis {
   // Those of the conditions that are not left out; the others have no trials.
   const std::vector<HierarchicalCell>& cells() const noexcept { return cells_; }
 
-  // What takes longer. Where it comes upon a larger likelihood than the fit's, that is the fit from there on, and all is
-  // computed again. The result does not depend on the number of threads. Tells work_progress() (numerics/stop_request.h).
+  // What takes longer. Where it comes upon a larger likelihood than the fit's, that is the fit from there on, and all that
+  // was asked for, now or before, is computed again. The result does not depend on the number of threads. Tells work_progress() (numerics/stop_request.h).
   // Throws Stopped.
   const HierarchicalFit& complete(const HierarchicalWish& wish, int threads = 1);
   const HierarchicalFit& add_intervals() { return complete({.intervals = true}); }
@@ -219,6 +226,7 @@ class HierarchicalAnalysis {
   double fineness_ = 1, spent_ = 0;  // the latter: work of searches before search_
   std::optional<HierarchicalSearch> search_;
   HierarchicalFit fit_;
+  HierarchicalWish wished_;  // all that complete() was asked for
 };
 
 }  // namespace jnd

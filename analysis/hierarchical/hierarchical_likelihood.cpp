@@ -20,9 +20,9 @@ namespace {
 constexpr std::size_t kMostKept = 10'000, kMostWaste = 3;
 // A standard deviation below this is 0: ln L is even in it, and differs from its value at 0 by less than rounding.
 constexpr double kLeastSpread = 1e-5;
-// Nodes a standard deviation of the posterior apart: the error of the sum is exp(-2 pi^2), 3e-9. The integrand may end
+// Nodes about a standard deviation of the posterior apart: the error of the sum is exp(-2 pi^2 / .95^2), 3e-10. The integrand may end
 // where it has fallen to that share of its peak.
-constexpr double kSpacing = 1, kLogEdge = -19.6;
+constexpr double kSpacing = 0.95, kLogEdge = -19.6;
 constexpr double kFirstReach = 7,
                  kFurthest = 8;    // standard deviations: of the first range about the mode, of any about 0
 constexpr double kFollowed = 5.9;  // standard deviations of v
@@ -30,7 +30,8 @@ constexpr double kGrowth = 0.4;    // of its width, by which a range grows at an
 constexpr double kClosest = 0.95;  // the greatest correlation that nodes are placed for
 // Of the least standard error that a cell's answers can have of ln s, and of the criterion: Lagrange's polynomial through
 // a likelihood errs by 2e-8, and through the logarithm of one where steps are this share of one answer's standard error.
-constexpr double kLatticeStepS = 0.4, kLogarithmStepK = 0.16, kLogarithmStepKOfIndependent = 0.4;
+constexpr double kLatticeStepS = 0.3, kLogarithmStepK = 0.16, kLogarithmStepKOfIndependent = 0.4;
+constexpr double kAveraged = 2;      // steps: a narrower spread does not average out what polynomials err by
 constexpr double kSmoothU = 0.33;    // in ln s: what likelihoods change within
 constexpr double kMostNodesW = 512;  // where that would be less than all of them
 
@@ -49,8 +50,11 @@ double fineness_of(ResponseModel model) {
 }
 
 HierarchicalPlace rounded(HierarchicalPlace place) {
-  for (double* spread : {&place.tu, &place.tv, &place.tw})
-    if (*spread < kLeastSpread) *spread = 0;
+  const auto settle = [](double& spread) {
+    if (spread < kLeastSpread) spread = 0;
+  };
+  for (double* spread : {&place.tu, &place.tv, &place.tw}) settle(*spread);
+  for (double& spread : place.own_tv) settle(spread);
   return place;
 }
 
@@ -83,6 +87,7 @@ HierarchicalPlace& HierarchicalPlace::operator+=(const HierarchicalPlace& other)
     mu[c] += other.mu[c];
     kappa[c] += other.kappa[c];
   }
+  for (std::size_t c = 0; c < own_tv.size(); ++c) own_tv[c] += other.own_tv[c];
   tu += other.tu;
   tv += other.tv;
   tw += other.tw;
@@ -174,6 +179,7 @@ LatticeSteps HierarchicalLikelihood::steps_about(std::size_t condition, const Hi
   SharedParameters without_lapses = shared_;  // which a cell tells more without
   without_lapses.lapse = 0;
   double most_s = 0, most_k = 0;
+  const double tv = place.tv_of(condition);
   std::vector<LevelTrials> design;
   for (const Person& person : people_) {
     design.clear();
@@ -182,8 +188,7 @@ LatticeSteps HierarchicalLikelihood::steps_about(std::size_t condition, const Hi
     const auto sd = [](double prior, double information) { return prior / std::sqrt(1 + prior * prior * information); };
     const double mode_s = place.mu[condition] + (person.u.low + person.u.high) / 2,
                  mode_k = place.kappa[condition] + (person.w.low + person.w.high) / 2;
-    const double beside_s =
-                     kAround * std::hypot(sd(place.tu, person.information_u), sd(place.tv, person.information_u)),
+    const double beside_s = kAround * std::hypot(sd(place.tu, person.information_u), sd(tv, person.information_u)),
                  beside_k = kAround * sd(place.tw, person.information_w);
     for (const auto& [i, j] : {std::pair{0, 0}, {-1, 0}, {1, 0}, {0, -1}, {0, 1}}) {
       const double s = mode_s + i * beside_s, k = mode_k + j * beside_k;
@@ -200,11 +205,14 @@ LatticeSteps HierarchicalLikelihood::steps_about(std::size_t condition, const Hi
   const double narrowest = std::min(kWidest, 1 / std::sqrt(most_s));
   LatticeSteps steps;
   steps.ln_s = rung_below(kLatticeStepS * narrowest / fineness_);
+  if (std::hypot(place.tu, tv) < kAveraged * steps.ln_s) steps.ln_s /= 2;
   // Where the normal density of v is wide, the lattice of ln s may be coarser.
-  const double product = place.tv * narrowest / std::hypot(place.tv, narrowest);  // the width of both together
+  const double product = tv * narrowest / std::hypot(tv, narrowest);  // the width of both together
   steps.ln_s *= rung_below(std::max(1.0, product / (steps.ln_s * fineness_)));
   const double of_answer = model_ == ResponseModel::independent ? kLogarithmStepKOfIndependent : kLogarithmStepK;
-  if (!choice()) steps.criterion = rung_below(of_answer * std::min(kWidest, 1 / std::sqrt(most_k)) / fineness_);
+  if (choice()) return steps;
+  steps.criterion = rung_below(of_answer * std::min(kWidest, 1 / std::sqrt(most_k)) / fineness_);
+  if (place.tw < kAveraged * steps.criterion) steps.criterion /= 2;
   return steps;
 }
 
@@ -238,10 +246,11 @@ void HierarchicalLikelihood::locate(Person& person, const HierarchicalPlace& pla
     PersonCell& cell = cells.emplace_back();
     cell.mu = place.mu[c];
     cell.kappa = place.kappa[c];
+    cell.tv = place.tv_of(c);
     for (const QuestionAnswers& one : this->cell(person, c).answers())
       cell.answers.push_back({questions_[c][one.question].level, one.counts});
   }
-  const PersonMode mode = person_mode(cells, model_, shared_, {place.tu, place.tv, place.tw, place.rho});
+  const PersonMode mode = person_mode(cells, model_, shared_, {place.tu, place.tw, place.rho});
   person.information_u = mode.information_u;
   person.information_w = mode.information_w;
   person.correlation = mode.correlation;
@@ -416,7 +425,7 @@ HierarchicalLikelihood::Evaluation HierarchicalLikelihood::prepared(const Hierar
             more_w = at.has_w ? (at.all.w1 - at.all.w0) / 4 + 2 : 0;
   at.all = {at.all.u0 - more_u, at.all.u1 + more_u, at.all.w0 - more_w, at.all.w1 + more_w};
   for (std::size_t c = 0; c < conditions_; ++c) {
-    at.over_s.emplace_back(place.mu[c] + at.u(0), at.spacing_u, at.all.u0, at.all.u1, place.tv,
+    at.over_s.emplace_back(place.mu[c] + at.u(0), at.spacing_u, at.all.u0, at.all.u1, place.tv_of(c),
                            responses(c).steps().ln_s, kFollowed * std::min(fineness_, 1.0));
     if (choice()) {
       lay_out_rows(c, at.read_by(c, asked), place.kappa[c] + at.w(0), at.spacing_w);
@@ -484,7 +493,10 @@ HierarchicalPlace HierarchicalLikelihood::slope_of(const Evaluation& at) const {
   for (std::size_t c = 0; c < conditions_; ++c) {
     const LatticeKernel::Slopes slopes = at.over_s[c].slopes(at.box.u0, at.by_s[c]);
     slope.mu.push_back(slopes.by_centre);
-    slope.tv += slopes.by_spread;
+    if (at.place.own_tv.empty())
+      slope.tv += slopes.by_spread;
+    else
+      slope.own_tv.push_back(slopes.by_spread);
     slope.kappa.push_back(at.by_kappa[c]);
   }
   const HierarchicalPlace& place = at.place;
@@ -502,7 +514,15 @@ HierarchicalPlace HierarchicalLikelihood::slope_of(const Evaluation& at) const {
 template <typename Each>
 void HierarchicalLikelihood::through_everybody(const HierarchicalPlace& place, Each&& each, const NodeOffset& offset,
                                                const SharedForm& by) {
-  for (Person& person : people_) locate(person, place);
+  constexpr double kToLocate = 1500;  // nanoseconds a question that somebody answered
+  // Of choices, whose rows are computed anew, and of derivatives by shared parameters: times what is counted.
+  constexpr double kDearerChoice = 1.6, kDearerShared = 2.5;
+  const double before = work_;
+  for (Person& person : people_) {
+    locate(person, place);
+    for (std::size_t c = 0; c < conditions_; ++c)
+      work_ += kToLocate * static_cast<double>(cell(person, c).answers().size());
+  }
   choose_lattices(place);
   for (;;) {
     Evaluation at = prepared(place, offset);
@@ -513,9 +533,11 @@ void HierarchicalLikelihood::through_everybody(const HierarchicalPlace& place, E
       go_back(at);
       each(done, at);
       if (!fine_enough(people_[done], at)) break;
+      for (std::size_t c = 0; c < conditions_ && choice(); ++c) cell(people_[done], c).forget();
     }
-    if (done == people_.size()) return;
+    if (done == people_.size()) break;
   }
+  work_ = before + (work_ - before) * (choice() ? kDearerChoice : 1) * (by.any() ? kDearerShared : 1);
 }
 
 HierarchicalLikelihood::Value HierarchicalLikelihood::at(const HierarchicalPlace& given, const SharedForm& by) {
@@ -532,6 +554,7 @@ HierarchicalLikelihood::Value HierarchicalLikelihood::at(const HierarchicalPlace
   Value value;
   value.slope.mu.assign(conditions_, 0);
   value.slope.kappa.assign(conditions_, 0);
+  value.slope.own_tv.assign(place.own_tv.size(), 0);
   for (std::size_t i = 0; i < people_.size(); ++i) {
     value.log_likelihood += values[i];
     if (!std::isfinite(values[i])) continue;

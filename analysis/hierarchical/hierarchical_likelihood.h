@@ -48,7 +48,9 @@ struct HierarchicalPlace {
   std::vector<double> mu, kappa;  // of each condition
   double tu = 0, tv = 0, tw = 0;  // >= 0
   double rho = 0;                 // -1 < rho < 1
+  std::vector<double> own_tv;     // of each condition, instead of tv; or empty
 
+  double tv_of(std::size_t condition) const noexcept { return own_tv.empty() ? tv : own_tv[condition]; }
   HierarchicalPlace& operator+=(const HierarchicalPlace& other) noexcept;  // of as many conditions
 };
 
@@ -92,8 +94,8 @@ class HierarchicalLikelihood {
 
   std::size_t participants() const noexcept { return people_.size(); }
   std::size_t conditions() const noexcept { return conditions_; }
-  // How much has been summed since it was made: nodes of integrals, times those of v at each. It measures time, and is
-  // the same on every machine.
+  // What was computed since it was made, about in nanoseconds: numbers of nodes, answers and rates, each times what it
+  // takes. The same on every machine.
   double work() const noexcept { return work_; }
 
  private:

@@ -25,6 +25,7 @@ std::vector<HierarchicalMaximum> with_other_spreads(const HierarchicalForm& form
     one.curvature.clear();
     if (form.tu) one.place.tu = tu;
     if (form.tv) one.place.tv = tv;
+    if (form.tv) std::fill(one.place.own_tv.begin(), one.place.own_tv.end(), tv);
     if (form.tw) one.place.tw = tw * criterion_unit;
     if (form.rho) one.place.rho = 0;
     others.push_back(std::move(one));

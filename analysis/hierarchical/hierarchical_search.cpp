@@ -19,7 +19,7 @@ namespace jnd {
 namespace {
 
 constexpr double kPooledNegligible = 1e-10;  // ln L of the pooled answers
-constexpr double kRoughly = 0.75;            // of the fineness of nodes
+constexpr double kRoughly = 0.8;             // of the fineness of nodes
 constexpr double kLatticesDiffer = 1e-6;     // ln L at places beside each other, on other lattices
 constexpr double kRidge = 1e-3;              // least curvature of every variable, in its unit
 
@@ -41,7 +41,7 @@ class Variables {
 
   std::size_t means() const noexcept { return means_; }
   std::size_t count() const noexcept {
-    return means_ + criteria() + static_cast<std::size_t>(form_.tu + form_.tv + form_.tw + form_.rho) + shared_.size();
+    return means_ + criteria() + spreads() + static_cast<std::size_t>(form_.rho) + shared_.size();
   }
 
   std::vector<double> start() const {
@@ -56,12 +56,10 @@ class Variables {
     for (std::size_t i = 0; i < means_; ++i) x[i] /= bound[i];
     for (std::size_t c = 0; c < conditions_; ++c)
       if (!holds_criterion(c)) x.push_back(place.kappa[c] / unit_);
-    const auto spread = [&x](double one) {
-      x.push_back(std::max(one, kSmallestSpread) * std::max(one, kSmallestSpread));
-    };
-    if (form_.tu) spread(place.tu);
-    if (form_.tv) spread(place.tv);
-    if (form_.tw) spread(place.tw / unit_);
+    for (const auto& [spread, unit] : free_spreads(form_, place, unit_)) {
+      const double one = std::max(*spread / unit, kSmallestSpread);
+      x.push_back(one * one);
+    }
     if (form_.rho) x.push_back(place.rho);
     for (const SharedParameter which : shared_) x.push_back(value_of(start_.shared, which) / unit_of(which));
     return x;
@@ -75,9 +73,7 @@ class Variables {
     std::size_t i = means_;
     for (std::size_t c = 0; c < conditions_; ++c)
       if (!holds_criterion(c)) place.kappa[c] = x[i++] * unit_;
-    if (form_.tu) place.tu = std::sqrt(x[i++]);
-    if (form_.tv) place.tv = std::sqrt(x[i++]);
-    if (form_.tw) place.tw = std::sqrt(x[i++]) * unit_;
+    for (const auto& [spread, unit] : free_spreads(form_, place, unit_)) *spread = std::sqrt(x[i++]) * unit;
     if (form_.rho) place.rho = x[i++];
     for (const SharedParameter which : shared_) value_of(searched.shared, which) = x[i++] * unit_of(which);
     return searched;
@@ -90,9 +86,9 @@ class Variables {
       if (form_.of[c] >= 0) slope[static_cast<std::size_t>(form_.of[c])] += by.mu[c];
     for (std::size_t c = 0; c < conditions_; ++c)
       if (!holds_criterion(c)) slope.push_back(by.kappa[c] * unit_);
-    if (form_.tu) slope.push_back(by.tu / (2 * at.tu));
-    if (form_.tv) slope.push_back(by.tv / (2 * at.tv));
-    if (form_.tw) slope.push_back(by.tw * unit_ * unit_ / (2 * at.tw));
+    const auto by_spreads = free_spreads(form_, by, unit_), spreads = free_spreads(form_, at, unit_);
+    for (std::size_t i = 0; i < spreads.size(); ++i)
+      slope.push_back(*by_spreads[i].value * spreads[i].unit * spreads[i].unit / (2 * *spreads[i].value));
     if (form_.rho) slope.push_back(by.rho);
     for (const SharedParameter which : shared_) slope.push_back(of(by_shared, which) * unit_of(which));
     return slope;
@@ -103,12 +99,12 @@ class Variables {
   std::vector<double> first_curvature(const std::vector<double>& slope, std::size_t participants) const {
     constexpr double kLongest = 0.5, kLongestOfSquares = 0.1, kLongestOfRates = 0.05;
     constexpr double kOfOne = 4, kOfOneSquare = 20;
-    const std::size_t n = count(), spreads = static_cast<std::size_t>(form_.tu + form_.tv + form_.tw);
+    const std::size_t n = count();
     std::vector<double> curvature(n * n, 0);
     for (std::size_t i = 0; i < n; ++i) {
       const std::size_t before_shared = n - shared_.size(), squares = means_ + criteria();
       const bool rate = i >= before_shared && at_least_zero(shared_[i - before_shared]);
-      const bool square = i >= squares && i < squares + spreads;
+      const bool square = i >= squares && i < squares + spreads();
       curvature[i * (n + 1)] = std::max((square || rate ? kOfOneSquare : kOfOne) * static_cast<double>(participants),
                                         std::abs(slope[i]) / (rate     ? kLongestOfRates
                                                               : square ? kLongestOfSquares
@@ -134,10 +130,10 @@ class Variables {
       add(low, high);
     }
     for (std::size_t c = 0; c < criteria(); ++c) add(form_.lowest_criterion / unit_, form_.highest_criterion / unit_);
-    const auto spread = [&](double largest) { add(kSmallestSpread * kSmallestSpread, largest * largest); };
-    if (form_.tu) spread(kLargestSpread);
-    if (form_.tv) spread(kLargestSpread);
-    if (form_.tw) spread(kLargestSpreadOfCriteria);
+    for (std::size_t i = 0; i < spreads(); ++i) {
+      const double largest = form_.tw && i + 1 == spreads() ? kLargestSpreadOfCriteria : kLargestSpread;
+      add(kSmallestSpread * kSmallestSpread, largest * largest);
+    }
     if (form_.rho) add(-kLargestCorrelation, kLargestCorrelation);
     for (const SharedParameter which : shared_) {
       const SharedLimits limits = limits_of(which, unit_);
@@ -149,9 +145,8 @@ class Variables {
   // A spread that the search left as small as it may be is 0.
   HierarchicalPlace settled(HierarchicalPlace place) const {
     constexpr double kAtBound = 1.001 * kSmallestSpread;
-    if (form_.tu && place.tu < kAtBound) place.tu = 0;
-    if (form_.tv && place.tv < kAtBound) place.tv = 0;
-    if (form_.tw && place.tw / unit_ < kAtBound) place.tw = 0;
+    for (const auto& [spread, unit] : free_spreads(form_, place, unit_))
+      if (*spread / unit < kAtBound) *spread = 0;
     return place;
   }
 
@@ -159,6 +154,7 @@ class Variables {
   bool holds_criterion(std::size_t condition) const noexcept {
     return condition < form_.held_criteria.size() && form_.held_criteria[condition];
   }
+  std::size_t spreads() const { return free_spreads(form_, start_.place, unit_).size(); }
   double unit_of(SharedParameter which) const noexcept { return of_criterion(which) ? unit_ : 1; }
   static double of(const OfSharedParameters& numbers, SharedParameter which) noexcept {
     return numbers[static_cast<std::size_t>(which)];
@@ -261,10 +257,13 @@ class PooledAnswers {
   }
 
   void derivatives(const std::vector<double>& x, NewtonDerivatives& at) const {
-    constexpr double kNudge = 1e-5;
     at.value = value(x);
-    at.gradient = {(value({x[0] + kNudge, x[1]}) - value({x[0] - kNudge, x[1]})) / (2 * kNudge),
-                   (value({x[0], x[1] + kNudge}) - value({x[0], x[1] - kNudge})) / (2 * kNudge)};
+    at.gradient = {0, 0};
+    for (const HierarchicalCell& cell : cells_) {
+      const AnswerSlopes slopes = slopes_of(cell.counts(), model_, cell.level, x[0], x[1] * unit_, shared_);
+      at.gradient[0] += slopes.s;
+      at.gradient[1] += slopes.k * unit_;
+    }
     const CellInformation told = expected_information(model_, design_, x[0], x[1] * unit_, shared_);
     at.curvature =
         at.expected = {told.s + kRidge, told.both * unit_, told.both * unit_, told.k * unit_ * unit_ + kRidge};
@@ -340,10 +339,12 @@ HierarchicalMaximum maximise(HierarchicalLikelihood& likelihood, const Hierarchi
   HierarchicalLikelihood::Value value = function.found_at(found.place);
   likelihood.set_shared(shared);
   // At 0 ln L differs from its value at the smallest spread by its slope in the square, to 1e-10; other slopes by less.
-  for (double HierarchicalPlace::*spread : {&HierarchicalPlace::tu, &HierarchicalPlace::tv, &HierarchicalPlace::tw}) {
-    if (maximum.place.*spread == place.*spread) continue;
-    value.log_likelihood -= value.slope.*spread * place.*spread / 2;
-    value.slope.*spread = 0;
+  const auto before = free_spreads(form, place);
+  const auto now = free_spreads(form, maximum.place), slopes = free_spreads(form, value.slope);
+  for (std::size_t i = 0; i < now.size(); ++i) {
+    if (*now[i].value == *before[i].value) continue;
+    value.log_likelihood -= *slopes[i].value * *before[i].value / 2;
+    *slopes[i].value = 0;
   }
   maximum.slope = value.slope;
   maximum.slope_by_shared = value.by_shared;

@@ -27,6 +27,22 @@ struct HierarchicalForm {
   HierarchicalForm with_difference(std::size_t a, std::size_t b, double difference) const;
 };
 
+// Those of a place that the form searches, and what each is measured in: tu, tv or one of each condition, tw the last.
+template <typename Place>
+auto free_spreads(const HierarchicalForm& form, Place& place, double criterion_unit = 1) {
+  struct Spread {
+    decltype(&place.tu) value;
+    double unit;
+  };
+  std::vector<Spread> spreads;
+  if (form.tu) spreads.push_back({&place.tu, 1});
+  if (form.tv && place.own_tv.empty()) spreads.push_back({&place.tv, 1});
+  if (form.tv)
+    for (auto& one : place.own_tv) spreads.push_back({&one, 1});
+  if (form.tw) spreads.push_back({&place.tw, criterion_unit});
+  return spreads;
+}
+
 struct HierarchicalMaximum {
   HierarchicalPlace place;
   SharedParameters shared;
@@ -59,7 +75,7 @@ HierarchicalMaximum maximise(HierarchicalLikelihood& likelihood, const Hierarchi
                              const HierarchicalMaximum& from, double criterion_unit = 1,
                              double negligible = kNegligible, double most_work = kInf, double wanted = -kInf);
 
-// A likelihood, and one of rougher nodes, which ranks starts: it errs by a few 1e-4, and costs half.
+// A likelihood, and one of rougher nodes, which ranks starts: it errs by about 1e-4, and costs half.
 class HierarchicalSearch {
  public:
   HierarchicalSearch(std::span<const HierarchicalCell> cells, ResponseModel model, const SharedParameters& shared,

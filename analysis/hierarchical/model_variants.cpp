@@ -25,14 +25,12 @@ ModelVariant variant_of(VariantKind kind, std::vector<HierarchicalCell> cells, H
   if (!estimated.identified(cells).any()) return without_estimates(SharedStatus::not_identified);
   HierarchicalAnalysis analysis(std::move(cells), model);
   if (!analysis.fit().maximum.converged) return without_estimates(SharedStatus::not_converged);
-  analysis.complete({.shared = true});
-  variant.shared = analysis.fit().shared_estimates;
-  variant.conditions = analysis.fit().conditions;
-  const bool slopes = std::all_of(variant.conditions.begin(), variant.conditions.end(),
-                                  [](const ConditionMean& one) { return one.status == SlopeStatus::ok; });
-  const bool bounded = std::all_of(variant.shared.begin(), variant.shared.end(),
+  const HierarchicalFit& fit = analysis.complete({.shared = true});
+  const bool bounded = std::all_of(fit.shared_estimates.begin(), fit.shared_estimates.end(),
                                    [](const SharedEstimate& one) { return !std::isinf(one.ends.high); });
-  if (kind != VariantKind::lapse && slopes && bounded) variant.conditions = analysis.add_intervals().conditions;
+  if (kind != VariantKind::lapse && bounded) analysis.add_intervals();
+  variant.shared = fit.shared_estimates;
+  variant.conditions = fit.conditions;
   return variant;
 }
 

@@ -45,16 +45,16 @@ class PersonPosteriorDensity {
   }
 
   void derivatives(const std::vector<double>& x, NewtonDerivatives& at) const {
-    constexpr double kNudge = 1e-5;
     const double spare = 1 - spread_.rho * spread_.rho;
     at.value = value(x);
-    at.gradient.clear();
-    for (std::size_t i = 0; i < 2; ++i) {
-      std::vector<double> above = x, below = x;
-      above[i] += kNudge;
-      below[i] -= kNudge;
-      at.gradient.push_back((value(above) - value(below)) / (2 * kNudge));
-    }
+    at.gradient = {-(x[0] - spread_.rho * x[1]) / spare, -(x[1] - spread_.rho * x[0]) / spare};
+    for (const PersonCell& cell : cells_)
+      for (const PersonCell::Counted& one : cell.answers) {
+        const AnswerSlopes slopes = slopes_of(one.counts, model_, one.level, cell.mu + spread_.tu * x[0],
+                                              cell.kappa + spread_.tw * x[1], shared_);
+        at.gradient[0] += spread_.tu * slopes.s;
+        at.gradient[1] += spread_.tw * slopes.k;
+      }
     const CellInformation told = information(x, false);
     const double uu = told.s * spread_.tu * spread_.tu + 1 / spare, ww = told.k * spread_.tw * spread_.tw + 1 / spare,
                  uw = told.both * spread_.tu * spread_.tw - spread_.rho / spare;
@@ -66,7 +66,7 @@ class PersonPosteriorDensity {
     for (std::size_t c = 0; c < cells_.size(); ++c) {
       CellInformation told = expected_information(model_, designs_[c], cells_[c].mu + spread_.tu * x[0],
                                                   cells_[c].kappa + spread_.tw * x[1], shared_);
-      if (through_v) told = less_by(told, spread_.tv);
+      if (through_v) told = less_by(told, cells_[c].tv);
       sum.s += told.s;
       sum.k += told.k;
       sum.both += told.both;

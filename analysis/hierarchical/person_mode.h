@@ -16,11 +16,11 @@ struct PersonCell {
     AnswerTally counts;
   };
   std::vector<Counted> answers;
-  double mu = 0, kappa = 0;
+  double mu = 0, kappa = 0, tv = 0;
 };
 
 struct GroupSpread {
-  double tu = 0, tv = 0, tw = 0, rho = 0;
+  double tu = 0, tw = 0, rho = 0;
 };
 
 struct PersonMode {

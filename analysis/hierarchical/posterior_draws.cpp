@@ -21,22 +21,22 @@ double fraction(double value) {
 // v of one person in one condition, given u and w.
 class WithinPerson {
  public:
-  WithinPerson(ResponseModel model, const SharedParameters& shared, double tv)
-      : model_(model), shared_(shared), tv_(tv) {}
+  WithinPerson(ResponseModel model, const SharedParameters& shared) : model_(model), shared_(shared) {}
 
-  // answers: of the person in the condition; ln_s: without v; offset, number: uniform in (0, 1).
-  double drawn(std::span<const HierarchicalCell> answers, double ln_s, double criterion, double offset, double number) {
+  // answers: of the person in the condition; tv: there; ln_s: without v; offset, number: uniform in (0, 1).
+  double drawn(std::span<const HierarchicalCell> answers, double tv, double ln_s, double criterion, double offset,
+               double number) {
     constexpr double kReach = 6, kNodesOfSd = 1.5;  // likelihoods are less smooth than normal densities
-    if (tv_ == 0) return 0;
+    if (tv == 0) return 0;
     design_.clear();
     for (const HierarchicalCell& cell : answers) design_.push_back({cell.level, cell.positive + cell.negative});
     const double information = expected_information(model_, design_, ln_s, criterion, shared_).s;
-    const double spacing = 1 / std::sqrt(1 / (tv_ * tv_) + information) / kNodesOfSd;
-    const int last = static_cast<int>(std::ceil(kReach * tv_ / spacing));
+    const double spacing = 1 / std::sqrt(1 / (tv * tv) + information) / kNodesOfSd;
+    const int last = static_cast<int>(std::ceil(kReach * tv / spacing));
     logs_.clear();
     for (int node = -last; node < last; ++node) {
       const double v = (node + offset) * spacing;
-      double log_value = -v * v / (2 * tv_ * tv_);
+      double log_value = -v * v / (2 * tv * tv);
       for (const HierarchicalCell& cell : answers)
         log_value += log_likelihood_of(cell.counts(), model_, cell.level, ln_s + v, criterion, shared_);
       logs_.push_back(log_value);
@@ -51,7 +51,6 @@ class WithinPerson {
  private:
   ResponseModel model_;
   SharedParameters shared_;
-  double tv_;
   std::vector<LevelTrials> design_;
   std::vector<double> logs_;
 };
@@ -73,7 +72,7 @@ PosteriorDraws::PosteriorDraws(std::span<const HierarchicalCell> cells, const Hi
   for (std::size_t p = 0; p < participants; ++p) streams.emplace_back(seed, kDrawPurpose, 0, p);
   ExperimentStream beginnings(seed, kDrawPurpose, 1);
   NodeOffset offset{open_uniform(beginnings.next()), open_uniform(beginnings.next())};
-  WithinPerson within(model.response, model.shared, place.tv);
+  WithinPerson within(model.response, model.shared);
   likelihood.at(place);  // so that spacings stay the same from now on
   std::vector<std::vector<double>> numbers(participants);
   for (std::size_t begun = 0; begun < draws; begun += kDrawsOfARow) {
@@ -90,7 +89,7 @@ PosteriorDraws::PosteriorDraws(std::span<const HierarchicalCell> cells, const Hi
           const double ln_s = place.mu[c] + deviations[p][i].u, criterion = place.kappa[c] + deviations[p][i].w;
           const double from = open_uniform(streams[p].next()), number = open_uniform(streams[p].next());
           const std::size_t to = of(p, c, begun + i);
-          ln_s_[to] = ln_s + within.drawn(answers[p * conditions_ + c], ln_s, criterion, from, number);
+          ln_s_[to] = ln_s + within.drawn(answers[p * conditions_ + c], place.tv_of(c), ln_s, criterion, from, number);
           criterion_[to] = criterion;
         }
     offset = {fraction(offset.u + kPlasticU), fraction(offset.w + kPlasticW)};

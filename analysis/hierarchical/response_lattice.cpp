@@ -59,7 +59,7 @@ class AlikeAnswers {
 
 // Of the probabilities of both answers, or of all four.
 double nanoseconds_of(ResponseModel model, bool graded) {
-  return (model == ResponseModel::differencing ? 150 : 20) * (graded ? 3 : 1) + (graded ? 60 : 0);
+  return (model == ResponseModel::differencing ? 40 : 10) * (graded ? 3 : 1) + (graded ? 20 : 0);
 }
 
 }  // namespace
@@ -138,8 +138,6 @@ void ResponseLattice::lay_out_question(std::size_t i, const LatticeRange& before
   tables.negative.share = below ? 0.25 : 0.5;
   tables.sure_positive.share = above ? 0.25 : 0;
   tables.sure_negative.share = below ? 0.25 : 0;
-  SharedParameters without_lapses = shared_;
-  without_lapses.lapse = 0;
   const std::array<AnswerTable*, 4> all = {&tables.positive, &tables.negative, &tables.sure_positive,
                                            &tables.sure_negative};
   std::array<std::vector<double>, 4> known;
@@ -152,10 +150,7 @@ void ResponseLattice::lay_out_question(std::size_t i, const LatticeRange& before
     slopes.push_back(std::exp(-(s * steps_.ln_s + shift_s)));
     judged.push_back(model_ == ResponseModel::differencing ? 0 : judged_by(model_, question.level, slopes.back()));
   }
-  struct Row {
-    std::vector<double> positive, negative;
-  };
-  Row above_it, below_it;
+  std::vector<double> surely, hardly;  // the other answer: negative above the upper criterion, positive above the lower
   // Of this row the nodes between.
   const auto calculate = [&](int k, int from, int to) {
     if (from > to) return;
@@ -170,20 +165,18 @@ void ResponseLattice::lay_out_question(std::size_t i, const LatticeRange& before
     };
     take(0, positive, negative);
     if (!shared_.graded()) return;
-    for (auto& [row, shift, asked] :
-         {std::tuple{&above_it, shared_.sure_above, above}, {&below_it, -shared_.sure_below, below}}) {
-      row->positive.resize(count);
-      row->negative.resize(count);
-      if (asked) take(shift, row->positive.data(), row->negative.data());
+    const std::vector<double> middle_positive(positive, positive + count), middle_negative(negative, negative + count);
+    surely.resize(count);
+    hardly.resize(count);
+    if (above) {
+      double* sure = &tables.sure_positive.without_lapses[at];
+      take(shared_.sure_above, sure, surely.data());
+      log_rates_between(middle_positive, middle_negative, {sure, count}, surely, positive);
     }
-    for (std::size_t i = 0; i < count; ++i) {
-      const GradedLogRates rates =
-          graded_log_rates({positive[i], negative[i]}, {above_it.positive[i], above_it.negative[i]},
-                           {below_it.positive[i], below_it.negative[i]}, without_lapses);
-      positive[i] = rates.unsure.positive;
-      negative[i] = rates.unsure.negative;
-      if (above) tables.sure_positive.without_lapses[at + i] = rates.sure.positive;
-      if (below) tables.sure_negative.without_lapses[at + i] = rates.sure.negative;
+    if (below) {
+      double* sure = &tables.sure_negative.without_lapses[at];
+      take(-shared_.sure_below, hardly.data(), sure);
+      log_rates_between(hardly, {sure, count}, middle_positive, middle_negative, negative);
     }
   };
   const int s0 = std::max(before.s0, range_.s0), s1 = std::min(before.s1, range_.s1);

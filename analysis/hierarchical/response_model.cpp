@@ -15,20 +15,11 @@ namespace jnd {
 namespace {
 
 // Logarithms below this are no number of their own: e^-700 is the smallest likelihood that counts.
-constexpr double kLeastLog = -700;
+constexpr double kLeastLog = -700, kLeastRate = 1e-304;
 
-// With the share of guesses that give this answer.
-double mixed(double log_rate, double lapse, double share = 0.5) {
-  return lapse == 0 ? std::max(log_rate, kLeastLog) : std::log(lapse * share + (1 - lapse) * std::exp(log_rate));
-}
-
-// ln of the probability of what lies between two criteria, of which the first has more positive answers.
-double log_between(const LogRates& more, const LogRates& fewer) {
-  const auto log_difference = [](double large, double small) {
-    return large + std::log(-std::expm1(std::min(small - large, 0.0)));
-  };
-  return more.positive < fewer.negative ? log_difference(more.positive, fewer.positive)
-                                        : log_difference(fewer.negative, more.negative);
+// With guesses, half of which are this answer.
+double mixed(double log_rate, double lapse) {
+  return lapse == 0 ? std::max(log_rate, kLeastLog) : std::log(lapse / 2 + (1 - lapse) * std::exp(log_rate));
 }
 
 // Half of 2 z(p(c)), with the sign of the level; 1 - p(c) keeps its digits.
@@ -60,12 +51,25 @@ LogRates log_rates_of_slope(ResponseModel model, double level, double slope, dou
 
 void log_rates_of_slopes(ResponseModel model, double level, std::span<const double> slopes,
                          std::span<const double> judged, double criterion, double* positive, double* negative) {
+  const std::size_t count = slopes.size();
   if (model == ResponseModel::differencing) {
-    for (std::size_t i = 0; i < slopes.size(); ++i) {
-      const LogRates rates = log_rates_of_slope(model, level, slopes[i], criterion, 0);
-      positive[i] = rates.positive;
-      negative[i] = rates.negative;
+    // Phi(d - t), Phi(-d - t) and Phi(t - d), one after the other.
+    const double t = std::exp(criterion) / std::numbers::sqrt2;
+    std::vector<double> z(3 * count), rates(3 * count);
+    for (std::size_t i = 0; i < count; ++i) {
+      const double d = level * slopes[i] / std::numbers::sqrt2;
+      z[i] = d - t;
+      z[count + i] = -d - t;
+      z[2 * count + i] = t - d;
     }
+    log_normal_cdfs(z, rates.data());
+    exponentiate(rates, 0);
+    for (std::size_t i = 0; i < count; ++i) {
+      positive[i] = std::max(rates[i] + rates[count + i], kLeastRate);
+      negative[i] = std::max(rates[2 * count + i] - rates[count + i], kLeastRate);
+    }
+    take_logarithms({positive, count});
+    take_logarithms({negative, count});
     return;
   }
   std::vector<double> z(judged.begin(), judged.end());
@@ -79,29 +83,19 @@ void log_rates_of_slopes(ResponseModel model, double level, std::span<const doub
   }
 }
 
-GradedLogRates graded_log_rates(ResponseModel model, double level, double ln_s, double criterion,
-                                const SharedParameters& shared) {
-  const auto rates_at = [&](double shift) {
-    return std::isfinite(shift) ? log_rates(model, level, ln_s, criterion + shift, 0) : LogRates{};
-  };
-  return graded_log_rates(rates_at(0), rates_at(shared.sure_above), rates_at(-shared.sure_below), shared);
-}
-
-GradedLogRates graded_log_rates(const LogRates& middle, const LogRates& above, const LogRates& below,
-                                const SharedParameters& shared) {
-  GradedLogRates rates = {middle, {kLeastLog, kLeastLog}};
-  const auto guess = [](double distance) { return std::isfinite(distance) ? 0.25 : 0.5; };
-  if (std::isfinite(shared.sure_above)) {
-    rates.sure.positive = mixed(above.positive, shared.lapse, 0.25);
-    rates.unsure.positive = log_between(middle, above);
+void log_rates_between(std::span<const double> more_positive, std::span<const double> more_negative,
+                       std::span<const double> fewer_positive, std::span<const double> fewer_negative, double* found) {
+  const std::size_t count = more_positive.size();
+  std::vector<double> larger(count), share(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const bool below = more_positive[i] < fewer_negative[i];
+    larger[i] = below ? more_positive[i] : fewer_negative[i];
+    share[i] = std::min(below ? fewer_positive[i] : more_negative[i], larger[i]) - larger[i];
   }
-  if (std::isfinite(shared.sure_below)) {
-    rates.sure.negative = mixed(below.negative, shared.lapse, 0.25);
-    rates.unsure.negative = log_between(below, middle);
-  }
-  rates.unsure.positive = mixed(rates.unsure.positive, shared.lapse, guess(shared.sure_above));
-  rates.unsure.negative = mixed(rates.unsure.negative, shared.lapse, guess(shared.sure_below));
-  return rates;
+  exponentiate(share, 0);
+  for (double& one : share) one = std::max(1 - one, kLeastRate);
+  take_logarithms(share);
+  for (std::size_t i = 0; i < count; ++i) found[i] = std::max(larger[i] + share[i], kLeastLog);
 }
 
 AnswerTally& AnswerTally::operator+=(const AnswerTally& other) noexcept {
@@ -124,42 +118,97 @@ double log_likelihood_of(const AnswerTally& counts, ResponseModel model, double 
     const LogRates rates = log_rates(model, level, ln_s, criterion, shared.lapse);
     return counts.positive * rates.positive + counts.negative * rates.negative;
   }
-  const GradedLogRates rates = graded_log_rates(model, level, ln_s, criterion, shared);
+  const AnswerChances chances = answer_chances(model, level, ln_s, criterion, shared);
   const GradedCounts graded = graded_counts(counts, shared);
-  return graded.unsure.positive * rates.unsure.positive + graded.unsure.negative * rates.unsure.negative +
-         graded.sure.positive * rates.sure.positive + graded.sure.negative * rates.sure.negative;
+  const auto of = [](double count, const AnswerChance& one) {
+    return count * std::log(std::max(one.chance, kLeastRate));
+  };
+  return of(graded.unsure.positive, chances.unsure_positive) + of(graded.unsure.negative, chances.unsure_negative) +
+         of(graded.sure.positive, chances.sure_positive) + of(graded.sure.negative, chances.sure_negative);
+}
+
+namespace {
+
+// F, and 1 - F, with the derivatives of F.
+struct Rate {
+  double positive = 0, negative = 1;
+  double by_s = 0, by_k = 0;
+};
+
+Rate rate_of(ResponseModel model, double level, double slope, double criterion) {
+  if (model == ResponseModel::differencing) {
+    const double d = level * slope / std::numbers::sqrt2, t = std::exp(criterion) / std::numbers::sqrt2;
+    const double near = normal_density(d - t), far = normal_density(d + t);
+    return {normal_cdf(d - t) + normal_cdf(-d - t), normal_cdf(t - d) - normal_cdf(-d - t), -d * (near - far),
+            -t * (near + far)};
+  }
+  const double judged = judged_by(model, level, slope);
+  const double by_criterion = model == ResponseModel::choice ? slope : 1, z = judged - criterion * by_criterion;
+  double z_by_s = model == ResponseModel::choice ? -z : -judged;
+  if (model == ResponseModel::independent) {
+    const double half = std::abs(level * slope) / 2, density = normal_density(judged);
+    z_by_s = density == 0 ? 0 : 2 * half * normal_density(half) * (1 - 2 * normal_cdf(half)) / density;
+    z_by_s = std::copysign(z_by_s, -level);
+  }
+  const double density = normal_density(z);
+  return {normal_cdf(z), normal_cdf(-z), density * z_by_s, -density * by_criterion};
+}
+
+}  // namespace
+
+AnswerChances answer_chances(ResponseModel model, double level, double ln_s, double criterion,
+                             const SharedParameters& shared) {
+  const double slope = std::exp(-ln_s);
+  const bool above = std::isfinite(shared.sure_above), below = std::isfinite(shared.sure_below);
+  const auto between = [&shared](const Rate& more, const Rate& fewer, double share) {
+    const double rate =
+                     more.positive < fewer.negative ? more.positive - fewer.positive : fewer.negative - more.negative,
+                 left = 1 - shared.lapse;
+    return AnswerChance{shared.lapse * share + left * std::max(rate, 0.0), left * (more.by_s - fewer.by_s),
+                        left * (more.by_k - fewer.by_k)};
+  };
+  const Rate none, all{1, 0}, middle = rate_of(model, level, slope, criterion);
+  const Rate surely = above ? rate_of(model, level, slope, criterion + shared.sure_above) : none;
+  const Rate hardly = below ? rate_of(model, level, slope, criterion - shared.sure_below) : all;
+  AnswerChances chances;
+  chances.unsure_positive = between(middle, surely, above ? 0.25 : 0.5);
+  chances.unsure_negative = between(hardly, middle, below ? 0.25 : 0.5);
+  if (above) chances.sure_positive = between(surely, none, 0.25);
+  if (below) chances.sure_negative = between(all, hardly, 0.25);
+  return chances;
+}
+
+AnswerSlopes slopes_of(const AnswerTally& counts, ResponseModel model, double level, double ln_s, double criterion,
+                       const SharedParameters& shared) {
+  constexpr double kLeastChance = 1e-300;
+  const AnswerChances chances = answer_chances(model, level, ln_s, criterion, shared);
+  const GradedCounts graded = graded_counts(counts, shared);
+  AnswerSlopes slopes;
+  const auto add = [&](double count, const AnswerChance& one) {
+    const double share = count / std::max(one.chance, kLeastChance);
+    slopes.s += share * one.by_s;
+    slopes.k += share * one.by_k;
+  };
+  add(graded.unsure.positive, chances.unsure_positive);
+  add(graded.unsure.negative, chances.unsure_negative);
+  add(graded.sure.positive, chances.sure_positive);
+  add(graded.sure.negative, chances.sure_negative);
+  return slopes;
 }
 
 CellInformation expected_information(ResponseModel model, std::span<const LevelTrials> design, double ln_s,
                                      double criterion, const SharedParameters& shared) {
-  constexpr double kNudge = 1e-4, kLeastVariance = 1e-6;
-  const double nudge_k = model == ResponseModel::choice ? kNudge * std::exp(ln_s) : kNudge;
+  constexpr double kLeastChance = 1e-6;
   CellInformation information;
-  const auto add = [&information](double weight, double by_s, double by_k) {
-    information.s += weight * by_s * by_s;
-    information.k += weight * by_k * by_k;
-    information.both += weight * by_s * by_k;
-  };
-  for (const LevelTrials& one : design) {
-    if (shared.graded()) {
-      const auto rates = [&](double s, double k) {
-        const auto [unsure, sure] = graded_log_rates(model, one.level, ln_s + s, criterion + k, shared);
-        return std::array{std::exp(unsure.positive), std::exp(unsure.negative), std::exp(sure.positive),
-                          std::exp(sure.negative)};
-      };
-      const auto p = rates(0, 0), more_s = rates(kNudge, 0), less_s = rates(-kNudge, 0), more_k = rates(0, nudge_k),
-                 less_k = rates(0, -nudge_k);
-      for (std::size_t i = 0; i < p.size(); ++i)
-        add(one.trials / std::max(p[i], kLeastVariance), (more_s[i] - less_s[i]) / (2 * kNudge),
-            (more_k[i] - less_k[i]) / (2 * nudge_k));
-      continue;
+  for (const LevelTrials& level : design) {
+    const AnswerChances chances = answer_chances(model, level.level, ln_s, criterion, shared);
+    for (const AnswerChance* one :
+         {&chances.unsure_positive, &chances.unsure_negative, &chances.sure_positive, &chances.sure_negative}) {
+      const double weight = level.trials / std::max(one->chance, kLeastChance);
+      information.s += weight * one->by_s * one->by_s;
+      information.k += weight * one->by_k * one->by_k;
+      information.both += weight * one->by_s * one->by_k;
     }
-    const auto rate = [&](double s, double k) {
-      return std::exp(log_rates(model, one.level, ln_s + s, criterion + k, shared.lapse).positive);
-    };
-    const double p = rate(0, 0);
-    add(one.trials / std::max(p * (1 - p), kLeastVariance), (rate(kNudge, 0) - rate(-kNudge, 0)) / (2 * kNudge),
-        (rate(0, nudge_k) - rate(0, -nudge_k)) / (2 * nudge_k));
   }
   return information;
 }

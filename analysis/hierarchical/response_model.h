@@ -42,19 +42,10 @@ double judged_by(ResponseModel model, double level, double slope);
 void log_rates_of_slopes(ResponseModel model, double level, std::span<const double> slopes,
                          std::span<const double> judged, double criterion, double* positive, double* negative);
 
-// The same where answers are sure or unsure. A positive one is sure beyond a criterion that lies sure_above over k, a
-// negative one beyond one sure_below under it:
-//   P(sure positive) = F(k + sure_above),  P(unsure positive) = F(k) - F(k + sure_above),  F falling with k,
-// and so on the other side. An infinite distance: no such answer is sure. A guess is any of the answers there are, half
-// of them positive.
-struct GradedLogRates {
-  LogRates unsure, sure;
-};
-GradedLogRates graded_log_rates(ResponseModel model, double level, double ln_s, double criterion,
-                                const SharedParameters& shared);
-// From those of both answers with the criterion itself, sure_above over it and sure_below under it, without lapses.
-GradedLogRates graded_log_rates(const LogRates& middle, const LogRates& above, const LogRates& below,
-                                const SharedParameters& shared);
+// ln of the probability of what lies between two criteria, of which the first has more positive answers, from those of
+// both answers at either.
+void log_rates_between(std::span<const double> more_positive, std::span<const double> more_negative,
+                       std::span<const double> fewer_positive, std::span<const double> fewer_negative, double* found);
 
 // Answers to one question.
 struct AnswerTally {
@@ -74,6 +65,27 @@ GradedCounts graded_counts(const AnswerTally& counts, const SharedParameters& sh
 // ln of the likelihood of the answers, without binomial coefficients.
 double log_likelihood_of(const AnswerTally& counts, ResponseModel model, double level, double ln_s, double criterion,
                          const SharedParameters& shared);
+
+// The probability of an answer, with lapses, and its derivatives by ln s and k; of one that is never given 0. Answers are
+// sure or unsure. A positive one is sure beyond a criterion that lies sure_above over k, a negative one beyond one
+// sure_below under it:
+//   P(sure positive) = F(k + sure_above),  P(unsure positive) = F(k) - F(k + sure_above),  F falling with k,
+// and so on the other side. An infinite distance: no such answer is sure. A guess is any of the answers there are, half
+// of them positive.
+struct AnswerChance {
+  double chance = 0, by_s = 0, by_k = 0;
+};
+struct AnswerChances {
+  AnswerChance unsure_positive, unsure_negative, sure_positive, sure_negative;
+};
+AnswerChances answer_chances(ResponseModel model, double level, double ln_s, double criterion,
+                             const SharedParameters& shared);
+// The derivatives of log_likelihood_of().
+struct AnswerSlopes {
+  double s = 0, k = 0;
+};
+AnswerSlopes slopes_of(const AnswerTally& counts, ResponseModel model, double level, double ln_s, double criterion,
+                       const SharedParameters& shared);
 
 struct LevelTrials {
   double level = 0, trials = 0;

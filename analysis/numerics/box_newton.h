@@ -46,12 +46,12 @@ bool newton_direction(const NewtonDerivatives& at, const NewtonBox& box, const s
 // function.turned_down(), this is called when the place whose derivatives came last is not gone to. start
 // must lie in the box and have a finite value. Thread-safe; converged where the next step promises a gain below
 // `negligible` (1e-18: the remaining step is below 1e-9 standard errors). Values may err by `error`: steps that seem to
-// lose less are taken. A search that promises no more than `wanted`, even were its gain kMostGain times what its steps
-// promise, is given up.
+// lose less are taken. A search that after its first steps promises no more than `wanted`, even were its gain kMostGain
+// times what its steps promise, is given up.
 template <typename Function>
 NewtonResult maximise_in_box(const Function& function, std::vector<double> start, const NewtonBox& box,
                              double wanted = -kInf, double negligible = 1e-18, double error = 0) {
-  constexpr int kMostSteps = 200, kMostHalvings = 50;
+  constexpr int kMostSteps = 200, kMostHalvings = 50, kFirstSteps = 3;
   constexpr double kMostGain = 4;
   constexpr double kQuadratic = 1e-9, kRounding = 1e-13;
   NewtonResult result;
@@ -80,7 +80,7 @@ NewtonResult maximise_in_box(const Function& function, std::vector<double> start
       result.converged = true;
       return result;
     }
-    if (at.value + kMostGain * ascent < wanted) return result;
+    if (result.steps >= kFirstSteps && at.value + kMostGain * ascent < wanted) return result;
     bool moved = false;
     double step = longest;
     for (int halving = 0; halving < kMostHalvings && !moved; ++halving) {

@@ -77,20 +77,24 @@ std::optional<std::int64_t> pooled_count(const PooledLevels& levels, std::size_t
 }
 
 void add_spread(Fields<HierarchicalConditionRow>& fields, const std::string& key, const std::string& of,
-                HierarchicalSpread StudyHierarchical::*spread) {
+                HierarchicalSpread StudyHierarchical::*of_model) {
   using R = HierarchicalConditionRow;
+  const auto spread = [of_model](const R& r) {
+    const HierarchicalSpread& one = r.of->*of_model;
+    return one.status == SpreadStatus::by_condition ? r.one->spread : one;
+  };
   fields.push_back(Field<R>(key, "standard deviation between people of " + of + "; empty where its status says why",
-                            [spread](const R& r) { return (r.of->*spread).sd; }));
-  fields.push_back(Field<R>(
-      key + "_status",
-      "what that is; zero: the likelihood is largest at 0; at_limit: as large as is searched, the "
-      "answers set no upper bound; not_identified: it takes several participants, or several "
-      "conditions of one; not_asked: left out of the model, as where "
-      "the PSE is taken as the standard; empty without a model",
-      [spread](const R& r) {
-        return r.of->fitted() ? std::optional(word_of(kSpreadStatusWords, (r.of->*spread).status)) : std::nullopt;
-      },
-      {.levels = "ok zero at_limit not_identified not_asked"}));
+                            [spread](const R& r) { return spread(r).sd; }));
+  fields.push_back(
+      Field<R>(key + "_status",
+               "what that is; zero: the likelihood is largest at 0; at_limit: as large as is searched, the "
+               "answers set no upper bound; not_identified: it takes several participants, or several "
+               "conditions of one; not_asked: left out of the model, as where "
+               "the PSE is taken as the standard; empty without a model",
+               [spread](const R& r) {
+                 return r.of->fitted() ? std::optional(word_of(kSpreadStatusWords, spread(r).status)) : std::nullopt;
+               },
+               {.levels = "ok zero at_limit not_identified not_asked"}));
 }
 
 }  // namespace
@@ -185,7 +189,9 @@ Fields<HierarchicalConditionRow> hierarchical_fields(const Protocol& protocol, S
   fields.push_back(F("levels_pooled", "different levels after that",
                      [](const R& r) { return pooled_count(r.of->gathered, r.of->gathered.to); }));
   add_spread(fields, "sd_persons", "ln JND over persons", &StudyHierarchical::persons);
-  add_spread(fields, "sd_persons_by_condition", "ln JND over conditions of a person", &StudyHierarchical::by_condition);
+  add_spread(fields, "sd_persons_by_condition",
+             "ln JND over conditions of a person, or of each condition where that is registered",
+             &StudyHierarchical::by_condition);
   if (has_choices(protocol))
     add_spread(fields, "sd_pse",
                protocol.series.size() > 1 ? std::string("the PSE over persons, as a share of the standard")

@@ -185,7 +185,7 @@ HierarchicalSpread spread_of(SpreadStatus status, double sd) {
 
 void StudyFit::add_spreads(const HierarchicalFit& fit) {
   model_.persons = spread_of(fit.tu, fit.maximum.place.tu);
-  model_.by_condition = spread_of(fit.tv, fit.maximum.place.tv);
+  model_.by_condition = spread_of(fit.tv, fit.tv == SpreadStatus::by_condition ? kNaN : fit.maximum.place.tv);
   model_.criteria = spread_of(fit.tw, fit.maximum.place.tw);
 }
 
@@ -196,6 +196,7 @@ void StudyFit::set_conditions(std::vector<HierarchicalCondition>& rows, const st
     HierarchicalCondition& one = rows[fitted_rows_[i]];
     const double unit = unit_of(one.series), jnd = answer_model_.jnd_of_s * unit, standard = standard_of(one.series);
     one.status = mean.status;
+    one.spread = spread_of(mean.tv_status, mean.tv);
     one.jnd = jnd * std::exp(mean.mu);
     one.ci_low = jnd * std::exp(mean.ends.low);
     one.ci_high = jnd * std::exp(mean.ends.high);
@@ -294,6 +295,7 @@ StudyHierarchical StudyFit::fitted(std::string separate, bool given_levels) {
   of.response = answer_model_.response;
   of.shared.lapse = answer_model_.lapse;
   of.tw = !model_.pse_at_standard;
+  of.own_tv = protocol_.analysis.own_spreads;
   std::vector<HierarchicalCell> answered = cells_of_fit();
   model_.gathered = pooled(answered);
   HierarchicalAnalysis fitted(without_halves_and_sureness(answered), of);
@@ -458,12 +460,12 @@ void add_without_bias(std::vector<HierarchicalCell>& cells, HierarchicalCell cel
 }
 
 std::string hierarchical_assumptions(const StudyHierarchical& model) {
-  if (model.response != ResponseModel::choice) return std::string(kHierarchicalAssumptions);
-  return model.pse_at_standard
-             ? "Assumed: ln JND differs between people as normal distributions do, by the same spreads in every condition, "
-               "nobody favours an interval or a side, and nobody's answers change during the study."
-             : "Assumed: ln JND differs between people, and their PSEs do, as normal distributions do, by the same spreads "
-               "in every condition, nobody favours an interval or a side, and nobody's answers change during the study.";
+  const bool own = model.by_condition.status == SpreadStatus::by_condition;
+  if (model.response != ResponseModel::choice) return hierarchical_assumptions(own);
+  return fmt::format(
+      "Assumed: ln JND differs between people{} as normal distributions do, by {}, nobody favours an interval or a side, and "
+      "nobody's answers change during the study.",
+      model.pse_at_standard ? "" : ", and their PSEs do,", spreads_assumed(own));
 }
 
 std::string_view status_word(const StudyHierarchical& model, const HierarchicalCondition& row) noexcept {

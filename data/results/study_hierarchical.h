@@ -37,11 +37,18 @@ inline constexpr auto kHierarchicalStatusWords =
                                {"too_many_people", HierarchicalStatus::too_many_people},
                                {"not_converged", HierarchicalStatus::not_converged}});
 
+// Standard deviation between people.
+struct HierarchicalSpread {
+  SpreadStatus status = SpreadStatus::not_identified;
+  double sd = kNaN;  // NaN where it is not identified
+};
+
 // Of everyone, in one condition, and of other tasks at one standard. JNDs in the study's unit, as the study means them.
 struct HierarchicalCondition {
   int condition = 0, series = 0;  // places in the protocol; of same-different all series
   int participants = 0;           // with counted trials there
   SlopeStatus status = SlopeStatus::missing;
+  HierarchicalSpread spread{};           // of ln JND over persons, where each condition has its own
   double jnd = kNaN;                     // of the median person, exp(mu) times what makes a JND of s; NaN unless ok
   double ci_low = kNaN, ci_high = kNaN;  // 95 % by profile likelihood; 0 or inf where the answers leave it open
   EndsStatus ci_status = EndsStatus::not_computed;
@@ -64,12 +71,6 @@ struct HierarchicalRatio {
   // Likelihood-ratio test of a ratio of 1, chi-square with 1 degree of freedom; NaN if a condition is left out, or the
   // search took too long.
   double lr = kNaN, p = kNaN;
-};
-
-// Standard deviation between people.
-struct HierarchicalSpread {
-  SpreadStatus status = SpreadStatus::not_identified;
-  double sd = kNaN;  // NaN where it is not identified
 };
 
 enum class ShrunkenStatus {

@@ -105,7 +105,10 @@ void check_model_and_method(const JsonNode& node, JsonReader& reader, ProtocolRe
 // The contrasts by one model of everybody's answers, which has tests of its own.
 void read_group(const JsonNode& node, JsonReader& reader, ProtocolReading& reading) {
   AnalysisPlan& analysis = reading.protocol.analysis;
-  analysis.hierarchical = reader.one_of_or<bool>("group", {{"separate", false}, {"hierarchical", true}}, false);
+  const int spreads = reader.one_of_or<int>(
+      "group", {{"separate", 0}, {"hierarchical", 1}, {"hierarchical, spread by condition", 2}}, 0);
+  analysis.hierarchical = spreads > 0;
+  analysis.own_spreads = spreads > 1;
   if (!analysis.hierarchical) return;
   const TaskKind kind = reading.protocol.task.kind;
   const std::optional<AnswerModel> answers = task_of(kind).answer_model(reading.protocol);

@@ -137,8 +137,8 @@ void add_calc_hierarchical(CommandTree& calc) {
                    "counts have a column half (1 or 2), rows of --trials stand in the order of the trials");
   command
       .add_option("--random", options.random,
-                  "what differs between people, with commas: tu (JND), tv (JND by condition), tw (criterion, PSE), rho "
-                  "(correlation of tu and tw); none")
+                  "what differs between people, with commas: tu (JND), tv (JND by condition), own_tv (the same, with a "
+                  "spread of each condition's own), tw (criterion, PSE), rho (correlation of tu and tw); none")
       .show_default();
   command.add_flag("--one-jnd", options.one_jnd, "one JND for all conditions");
   command.add_flag("--people", options.people, "also each person's JND, beside the one from their answers alone");

@@ -43,7 +43,7 @@ HierarchicalModel hierarchical_model_of(const HierarchicalCommand& options) {
   model.tu = model.tv = model.tw = false;
   model.one_mean = options.one_jnd;
   const std::map<std::string, bool*, std::less<>> parts = {
-      {"tu", &model.tu}, {"tv", &model.tv}, {"tw", &model.tw}, {"rho", &model.rho}};
+      {"tu", &model.tu}, {"tv", &model.tv}, {"own_tv", &model.own_tv}, {"tw", &model.tw}, {"rho", &model.rho}};
   std::istringstream names(options.random);
   for (std::string word; std::getline(names, word, ',');) {
     word = word.substr(std::min(word.find_first_not_of(' '), word.size()));
@@ -52,9 +52,10 @@ HierarchicalModel hierarchical_model_of(const HierarchicalCommand& options) {
     const auto part = parts.find(word);
     if (part == parts.end())
       throw UsageError(
-          fmt::format("--random: {} is none of tu, tv, tw, rho (with commas between them), or none", word));
+          fmt::format("--random: {} is none of tu, tv, own_tv, tw, rho (with commas between them), or none", word));
     *part->second = true;
   }
+  model.tv = model.tv || model.own_tv;
   if (model.rho && !(model.tu && model.tw)) throw UsageError("--random: rho, their correlation, goes with tu and tw");
   return model;
 }

@@ -142,7 +142,15 @@ ordered_json hierarchical_json(const HierarchicalResult& result) {
   out[result.choice() ? "alpha" : "kappa"] = std::move(criteria);
   if (result.choice()) out["alpha_ci"] = std::move(criteria_ci);
   out["tu"] = place.tu;
-  out["tv"] = place.tv;
+  out["tv"] = fit.tv == SpreadStatus::by_condition ? ordered_json(nullptr) : json_number(place.tv);
+  ordered_json own_tv = ordered_json::array(), own_tv_status = own_tv;
+  for (const ConditionMean& one : fit.conditions) {
+    if (fit.tv != SpreadStatus::by_condition) break;
+    own_tv.push_back(json_number(one.tv));
+    own_tv_status.push_back(word_of(kSpreadStatusWords, one.tv_status));
+  }
+  out["own_tv"] = std::move(own_tv);
+  out["own_tv_status"] = std::move(own_tv_status);
   out["tw"] = place.tw;
   out["rho"] = result.model.rho ? json_number(place.rho) : ordered_json(nullptr);
   for (const auto& [name, one] :

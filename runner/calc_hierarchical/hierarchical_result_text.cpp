@@ -90,13 +90,16 @@ std::string spreads_text(const HierarchicalResult& result) {
   const HierarchicalPlace& place = fit.maximum.place;
   TextTable table({"standard deviation between people", "", "of", "status"},
                   {Align::left, Align::right, Align::left, Align::left});
-  const auto add = [&table](const char* name, double value, const char* of, SpreadStatus status) {
+  const auto add = [&table](std::string name, double value, const char* of, SpreadStatus status) {
     if (status == SpreadStatus::not_asked) return;
-    table.add({name, status == SpreadStatus::not_identified ? "-" : four_digits(value), of,
+    table.add({std::move(name), status == SpreadStatus::not_identified ? "-" : four_digits(value), of,
                std::string(word_of(kSpreadStatusWords, status))});
   };
   add("persons (tu)", place.tu, "ln JND", fit.tu);
-  add("persons by condition (tv)", place.tv, "ln JND", fit.tv);
+  if (fit.tv != SpreadStatus::by_condition) add("persons by condition (tv)", place.tv, "ln JND", fit.tv);
+  for (std::size_t c = 0; c < place.own_tv.size(); ++c)
+    add(fmt::format("persons in {} (tv)", printable(result.answers.conditions[c])), fit.conditions[c].tv, "ln JND",
+        fit.conditions[c].tv_status);
   add(result.choice() ? "PSE (tw)" : "criterion (tw)", place.tw, result.choice() ? "the level's unit" : "z", fit.tw);
   std::string text = "\n" + table.text();
   if (result.model.rho)
@@ -146,11 +149,12 @@ std::string sureness_text(const HierarchicalResult& result) {
 
 // What the model takes for granted, as far as it still does.
 std::string assumptions_of(const HierarchicalResult& result) {
-  if (result.fit.shared.has(SharedParameter::drift_ln_s))
-    return "Assumed: ln JND differs between people, and their criteria do, as normal distributions do, by the same "
-           "spreads in every condition, and both change from the first half of the trials to the second by as much for "
-           "everybody.";
-  return std::string(kHierarchicalAssumptions);
+  const bool own_tv = result.fit.tv == SpreadStatus::by_condition;
+  if (!result.fit.shared.has(SharedParameter::drift_ln_s)) return hierarchical_assumptions(own_tv);
+  return fmt::format(
+      "Assumed: ln JND differs between people, and their criteria do, as normal distributions do, by {}, and both change "
+      "from the first half of the trials to the second by as much for everybody.",
+      spreads_assumed(own_tv));
 }
 
 template <typename Style>

@@ -67,7 +67,7 @@ Person person_of(const HierarchicalPlace& truth, const Population& people, Exper
   person.dropped = uniform(stream) < people.drop_out;
   const double u = truth.tu * normal(stream), w = truth.tw * normal(stream);
   for (std::size_t c = 0; c < truth.mu.size(); ++c) {
-    person.ln_s.push_back(truth.mu[c] + u + truth.tv * normal(stream));
+    person.ln_s.push_back(truth.mu[c] + u + truth.tv_of(c) * normal(stream));
     person.k.push_back(truth.kappa[c] + w);
   }
   return person;

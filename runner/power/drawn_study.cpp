@@ -85,6 +85,7 @@ StudyAnalyst::StudyAnalyst(const Protocol& protocol, const PowerQuestion& questi
       known_(!question.profile) {
   model_.response = response_model_of(protocol).value();
   model_.shared.lapse = question.people.lapse;
+  model_.own_tv = protocol.analysis.own_spreads;
   task_ = !task_of(protocol.task.kind).has_own_results();
   if (!task_) return;
   const AnswerModel answers = task_of(protocol.task.kind).answer_model(protocol).value();
@@ -461,8 +462,8 @@ StudyOutcome StudyAnalyst::hierarchical(std::span<const DrawnPerson> people) con
     const auto a = static_cast<std::size_t>(question_.contrasts[i][0]),
                b = static_cast<std::size_t>(question_.contrasts[i][1]);
     const double difference = fit.conditions[a].mu - fit.conditions[b].mu;
-    const double error = std::sqrt(std::max(0.0, covariance[a * (conditions + 1)] + covariance[b * (conditions + 1)] -
-                                                     2 * covariance[a * conditions + b]));
+    const double error = std::sqrt(std::max(
+        0.0, covariance[a * (conditions + 1)] + covariance[b * (conditions + 1)] - 2 * covariance[a * conditions + b]));
     const double drop = analysis.drop_of_difference(a, b, 0);
     outcome.contrasts[i] = {difference, difference - t * error, difference + t * error,
                             std::isnan(drop) ? kNaN : chi2_upper(2 * drop, 1)};

@@ -18,10 +18,20 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 // "0.24 between persons (ln JND)", or why there is no number.
-std::string spread_text(const HierarchicalSpread& spread, const char* of) {
+std::string spread_text(const HierarchicalSpread& spread, const std::string& of) {
   if (std::isnan(spread.sd)) return fmt::format("not identified {}", of);
   return fmt::format("{}{} {}", spread.status == SpreadStatus::at_limit ? "at_limit " : "", number_text(spread.sd, 2),
                      of);
+}
+
+std::string spreads_by_condition_text(const StudyHierarchical& model, const Protocol& protocol) {
+  if (model.by_condition.status != SpreadStatus::by_condition)
+    return spread_text(model.by_condition, "of ln JND by condition");
+  std::vector<std::string> each;
+  for (const HierarchicalCondition& one : model.conditions)
+    each.push_back(
+        spread_text(one.spread, "of ln JND in " + protocol.conditions[static_cast<std::size_t>(one.condition)].name));
+  return fmt::format("{}", fmt::join(each, ", "));
 }
 
 bool is_choice(const StudyHierarchical& model) {
@@ -57,7 +67,7 @@ std::string criteria_text(const StudyHierarchical& model, const Protocol& protoc
   const std::string of =
       fmt::format("of the PSE, {}", model.several_standards ? "as a share of the standard"
                                                             : "in " + std::string(to_string(protocol.stimulus.unit)));
-  return "; " + spread_text(model.criteria, of.c_str());
+  return "; " + spread_text(model.criteria, of);
 }
 
 std::string equality_text(const StudyHierarchical& model) {
@@ -105,9 +115,9 @@ ResultTable hierarchical_table(const StudyResults& results, const Protocol& prot
     return table;
   }
   if (model.equal_df > 0) table.footnotes.push_back(equality_text(model));
-  table.footnotes.push_back(
-      fmt::format("standard deviation between people: {}; {}{}", spread_text(model.persons, "of ln JND"),
-                  spread_text(model.by_condition, "of ln JND by condition"), criteria_text(model, protocol)));
+  table.footnotes.push_back(fmt::format("standard deviation between people: {}; {}{}",
+                                        spread_text(model.persons, "of ln JND"),
+                                        spreads_by_condition_text(model, protocol), criteria_text(model, protocol)));
   for (const std::string& one : model.cautions)  // those of a registered model are said of the study
     if (std::find(results.cautions.begin(), results.cautions.end(), one) == results.cautions.end())
       table.footnotes.push_back(one);

@@ -47,6 +47,25 @@ TEST_CASE("a profile falls by half of 3.84 at the ends of its interval, and the 
   }
 }
 
+TEST_CASE("people may differ more in one condition than in another", "[hierarchical]") {
+  HierarchicalPlace truth = published_truth();
+  truth.mu.pop_back();
+  truth.kappa.pop_back();
+  truth.own_tv = {0.05, 0.6};
+  const std::vector<HierarchicalCell> cells = drawn_answers(published_questions(18, 2), {}, truth, 1, 4);
+  HierarchicalAnalysis common(cells, {}), own(cells, {.own_tv = true});
+  const HierarchicalFit& fit = own.complete({.intervals = true, .pairs = {{0, 1}}});
+  CHECK(fit.maximum.converged);
+  CHECK(fit.tv == SpreadStatus::by_condition);
+  CHECK(fit.conditions[0].tv < 0.3);
+  CHECK(fit.conditions[1].tv > 0.3);
+  CHECK(fit.maximum.log_likelihood > common.fit().maximum.log_likelihood + 1);
+  for (const ConditionMean& one : fit.conditions) CHECK((one.ends.low < one.mu && one.mu < one.ends.high));
+  const ConditionDifference& ratio = fit.differences.front();
+  CHECK((ratio.p < 0.05) == (ratio.ends.low > 0 || ratio.ends.high < 0));
+  CHECK(own.people().front().sd < own.people()[1].sd);
+}
+
 // 500 N/m against seven others, the published 2IFC case's design: six people, two conditions, eight trials a level.
 std::vector<HierarchicalCell> drawn_choices(std::uint64_t study) {
   std::vector<HierarchicalCell> questions;
@@ -254,7 +273,7 @@ TEST_CASE("a search that turned a long step down goes on to the maximum", "[hier
 TEST_CASE("slopes by small spreads are those of ln L, of rough likelihoods too", "[hierarchical]") {
   const std::vector<HierarchicalCell> cells = published_study(18, 603);
   const HierarchicalPlace best = HierarchicalAnalysis(cells, {}).fit().common.place;
-  for (const double fineness : {1.0, 0.75})
+  for (const double fineness : {1.0, 0.8})
     for (double HierarchicalPlace::*const spread : {&HierarchicalPlace::tu, &HierarchicalPlace::tw}) {
       HierarchicalLikelihood likelihood(cells, ResponseModel::yes_no, {}, fineness);
       const auto at = [&](double value) {
@@ -329,7 +348,7 @@ TEST_CASE("studies drawn without a difference show one as often as they should",
   for (int i = 0; i < studies; ++i) {
     const auto cells =
         drawn_answers(published_questions(12), HierarchicalModel{}, equal, 9, static_cast<std::uint64_t>(i));
-    HierarchicalLikelihood likelihood(cells, ResponseModel::yes_no, {}, 0.75);
+    HierarchicalLikelihood likelihood(cells, ResponseModel::yes_no, {}, 0.8);
     const double one = maximise(likelihood, HierarchicalForm::common(3), equal, 1, 1e-3).log_likelihood;
     const double each = maximise(likelihood, HierarchicalForm::separate(3), equal, 1, 1e-3).log_likelihood;
     if (chi2_upper(2 * (each - one), 2) < 0.05) ++rejected;

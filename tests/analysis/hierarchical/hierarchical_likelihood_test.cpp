@@ -115,6 +115,13 @@ TEST_CASE("derivatives are those of the value", "[hierarchical]") {
   CHECK(std::abs(by([](HierarchicalPlace& at) -> double& { return at.tv; }) - slope.tv) < 1e-4);
   CHECK(std::abs(by([](HierarchicalPlace& at) -> double& { return at.tw; }) - slope.tw) < 1e-4);
   CHECK(std::abs(by([](HierarchicalPlace& at) -> double& { return at.rho; }) - slope.rho) < 1e-4);
+  const double common = likelihood.at(place).log_likelihood;
+  place.own_tv.assign(3, place.tv);
+  CHECK(likelihood.at(place).log_likelihood == common);
+  place.own_tv = {0.1, 0.4, 0.25};
+  const std::vector<double> by_own_tv = likelihood.at(place).slope.own_tv;
+  for (std::size_t c = 0; c < 3; ++c)
+    CHECK(std::abs(by([c](HierarchicalPlace& at) -> double& { return at.own_tv[c]; }) - by_own_tv[c]) < 1e-4);
 }
 
 TEST_CASE("people whose answers say nothing, or all the same, have a likelihood too", "[hierarchical]") {

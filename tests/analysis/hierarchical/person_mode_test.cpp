@@ -24,7 +24,7 @@ TEST_CASE("a person lies where the posterior is largest, and knows how narrow it
   const std::vector<PersonCell> cells = {{{{0, 3, 15}, {200, 2, 4}, {400, 6, 0}}, std::log(250), 0.7},
                                          {{{0, 5, 13}, {300, 3, 3}}, std::log(300), 0.8}};
   for (const double rho : {0.0, 0.7}) {
-    const GroupSpread spread = {0.4, 0, 0.3, rho};
+    const GroupSpread spread = {0.4, 0.3, rho};
     const PersonMode mode = person_mode(cells, ResponseModel::yes_no, {.lapse = 0.02}, spread);
     const double best = log_posterior(cells, ResponseModel::yes_no, spread, mode.u, mode.w);
     for (const double step : {-0.05, 0.05}) {
@@ -38,19 +38,20 @@ TEST_CASE("a person lies where the posterior is largest, and knows how narrow it
 
 TEST_CASE("without answers, or without a spread, a person lies where the group does", "[hierarchical]") {
   const PersonMode nobody =
-      person_mode(std::vector<PersonCell>{{{}, 5, 0.7}}, ResponseModel::yes_no, {}, {0.3, 0, 0.3, 0});
+      person_mode(std::vector<PersonCell>{{{}, 5, 0.7}}, ResponseModel::yes_no, {}, {0.3, 0.3, 0});
   CHECK(std::abs(nobody.u) < 1e-6);
   CHECK(nobody.information_u < 1e-9);
   const std::vector<PersonCell> cells = {{{{0, 3, 15}, {200, 2, 4}, {400, 6, 0}}, 5, 0.7}};
-  const PersonMode held = person_mode(cells, ResponseModel::yes_no, {}, {0, 0, 0.3, 0});
+  const PersonMode held = person_mode(cells, ResponseModel::yes_no, {}, {0, 0.3, 0});
   CHECK(held.u == 0);
   CHECK(held.w != 0);
 }
 
 TEST_CASE("what v adds between a person and their answers leaves less to be known of u", "[hierarchical]") {
-  const std::vector<PersonCell> cells = {{{{0, 300, 1500}, {200, 200, 400}, {400, 600, 0}}, std::log(250), 0.7}};
+  std::vector<PersonCell> cells = {{{{0, 300, 1500}, {200, 200, 400}, {400, 600, 0}}, std::log(250), 0.7}};
   const auto known = [&](double tv) {
-    return person_mode(cells, ResponseModel::yes_no, {}, {0.3, tv, 0.3, 0}).information_u;
+    cells.front().tv = tv;
+    return person_mode(cells, ResponseModel::yes_no, {}, {0.3, 0.3, 0}).information_u;
   };
   CHECK(known(0) > 400);
   CHECK(known(0.2) < 1 / (0.2 * 0.2));

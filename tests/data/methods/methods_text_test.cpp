@@ -221,7 +221,7 @@ TEST_CASE("the methods say which model tests the contrasts", "[data]") {
   require_references(text);
   CHECK(has(text, "The 3 registered contrasts are ratios of JNDs by one model of the answers of all 2 participants"));
   CHECK(has(text, "(Venzon and Moolgavkar 1988; alpha = 0.05)"));
-  CHECK(has(text, std::string(kHierarchicalAssumptions)));
+  CHECK(has(text, hierarchical_assumptions(false)));
   CHECK_FALSE(has(text, "paired t test"));
   protocol.analysis.model = "differencing";
   protocol.analysis.jnd_method = "ml";

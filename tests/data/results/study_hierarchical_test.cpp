@@ -441,7 +441,7 @@ TEST_CASE("files of the model are written where it was asked for, and say why th
   add_hierarchical(results, chinello());
   const auto refused = files_of(chinello());
   REQUIRE(refused.size() == 1);
-  CHECK(refused.at("hierarchical.csv").find("S,simulated,yes_no,201,201,,,,,,too_many_people,,,,,,") !=
+  CHECK(refused.at("hierarchical.csv").find("S,simulated,yes_no,201,201,,,,not_computed,,,too_many_people,,,,,,") !=
         std::string::npos);
 }
 

@@ -107,7 +107,7 @@ TEST_CASE("the hierarchical model has its figures where it was added: who is dra
     CHECK(count_of(svg->file(), "class=\"point\"") == 18 * 3);
     CHECK(count_of(svg->file(), "class=\"mean\"") == 3);
   }
-  CHECK(people.caption.find(std::string(kHierarchicalAssumptions)) != std::string::npos);
+  CHECK(people.caption.find(hierarchical_assumptions(false)) != std::string::npos);
   const Figure& predictive = figure_named(figures, "predictive");
   REQUIRE(predictive.narrow);
   for (const Svg* svg : {&predictive.svg, &*predictive.narrow})

@@ -35,7 +35,7 @@ TEST_CASE("the hierarchical model has its tables where it was added") {
   CHECK(section_of(group) == Section::tests);
   CHECK(says(group, "one JND for all conditions"));
   CHECK(says(group, "standard deviation between people"));
-  CHECK(group.footnotes.back() == kHierarchicalAssumptions);
+  CHECK(group.footnotes.back() == hierarchical_assumptions(false));
   const ResultTable& ratios = table_named(tables, "hierarchical-ratios");
   CHECK(ratios.rows.size() == 3);
   CHECK(ratios.rows.front().front() == "S : V");
