@@ -73,6 +73,7 @@ if want bench; then
   part "benchmarks build" built bench
   part "thresholds recovered" build/bench/tests/bench/recovery_bench
   part "promises of the hierarchical model" build/bench/tests/bench/hierarchical_promises_bench 200
+  part "coverage of the hierarchical model" build/bench/tests/bench/hierarchical_coverage_bench
 fi
 want tidy && part "clang-tidy of every source" env JND_TIDY_MINUTES=1000 .ci/tidy "$(git rev-list --max-parents=0 HEAD | tail -n 1)"
 if want fresh; then  # the README's commands as it shows them, warnings being errors

@@ -16,6 +16,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -112,8 +113,9 @@ struct KnownStudy {
   std::vector<std::vector<double>> ln_s;  // by participant and condition
 };
 
-inline KnownStudy known_study(int participants, const HierarchicalPlace& truth, std::uint64_t seed,
-                              std::uint64_t study) {
+// tv: by condition, in place of the truth's; empty: the truth's in all.
+inline KnownStudy known_study(int participants, const HierarchicalPlace& truth, std::uint64_t seed, std::uint64_t study,
+                              std::span<const double> tv = {}) {
   KnownStudy known;
   known.cells = published_questions(participants, static_cast<int>(truth.mu.size()));
   std::vector<double> criteria;
@@ -124,7 +126,8 @@ inline KnownStudy known_study(int participants, const HierarchicalPlace& truth, 
     const double u = truth.tu * normal(stream);
     criteria.push_back(truth.kappa.front() + truth.tw * normal(stream));
     std::vector<double>& ln_s = known.ln_s.emplace_back();
-    for (const double mu : truth.mu) ln_s.push_back(mu + u + truth.tv * normal(stream));
+    for (std::size_t c = 0; c < truth.mu.size(); ++c)
+      ln_s.push_back(truth.mu[c] + u + (tv.empty() ? truth.tv : tv[c]) * normal(stream));
   }
   for (HierarchicalCell& cell : known.cells) {
     const auto p = static_cast<std::size_t>(cell.participant);
