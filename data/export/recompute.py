@@ -21,6 +21,10 @@ columns it does not compute; how many rows it read of how many that were written
 missing, or a number differs by more than 1e-9 of itself; a number next to zero, such as a difference of equal means, may
 differ by 1e-14 of the largest number of its column, and a mean by 1e-14 of its spread.
 
+Of the hierarchical model (hierarchical.csv) it computes ln L at the estimates, from the trials and by nodes of its own,
+and compares it within 1e-5. The estimates themselves are not searched; instead a small step of any of them, up or down,
+must not raise ln L. Variants with lapses, drift, overdispersion or sureness, intervals and tests are not computed.
+
 Bootstrap intervals of single JNDs are drawn at random, from the study's own seed, and are not computed here.
 """
 import os
@@ -30,7 +34,10 @@ HERE = os.path.dirname(os.path.realpath(__file__))
 sys.path = [place for place in sys.path if os.path.realpath(place) != HERE]  # nothing that lies here is imported
 
 import csv
+import functools
+import heapq
 import math
+import operator
 import re
 from statistics import NormalDist, median
 
@@ -161,7 +168,7 @@ class Checked:
 
     def __init__(self, name, source, rows, keys, aside=()):
         self.name, self.source, self.rows, self.aside = name, source, rows, list(aside)
-        self.keys, self.skipped = keys, []  # skipped: outcomes whose rows were not computed
+        self.keys, self.skipped, self.notes = keys, [], []  # skipped: outcomes whose rows were not computed
         self.compared, self.largest, self.wrong, self.scales = 0, 0.0, [], {}
         self.open = [column for column in (rows[0] if rows else ()) if column not in keys]
         Checked.all.append(self)
@@ -212,6 +219,8 @@ class Checked:
             print("  not computed: " + ", ".join(left))
         if self.skipped:
             print("  not computed: the rows of " + ", ".join(self.skipped))
+        for line in self.notes:
+            print("  " + line)
         for line in self.wrong[:5]:
             print("  DIFFERS: " + line)
 
@@ -843,6 +852,168 @@ def check_groups(outcome_named, groups, source):
         checked.compare(row, {"participants": len(own), **summary(values)})
 
 
+# --- The hierarchical model ------------------------------------------------------------------------------------------
+
+NOT_IN_MODEL = ("missing", "one_answer", "one_level", "perfect")  # statuses of conditions that it leaves out
+EXACT, STEP, SMALL_SD = 1e-5, 0.01, 0.05  # of ln L; of a parameter; of a spread of 0
+FIRST = ("first", "left")
+
+
+def answers_by_level(observer, by_standard):
+    """By condition and standard, then participant, then level: how many answers were positive ("different", "yes", the
+    comparison), and how many were not."""
+    trials, found = read("trials.csv"), {}
+
+    def add(row, level, positive, negative):
+        if positive + negative:
+            people = found.setdefault((row["condition"], row["series"] if by_standard else ""), {})
+            tally = people.setdefault(row["participant"], {}).setdefault(level, [0, 0])
+            tally[:] = tally[0] + positive, tally[1] + negative
+
+    if "cells.csv" in LISTED:
+        for cell in cells_of(trials, read("intervals.csv"), read("cells.csv")):
+            equal = -cell["x"] if observer == "independent" else 0.0  # the level of equal stimuli
+            add(cell, cell["x"], cell["hits"], cell["n_diff"] - cell["hits"])
+            add(cell, equal, cell["false_alarms"], cell["n_same"] - cell["false_alarms"])
+        return found
+    stimuli = lambda row: [float(row[column]) for column in row if column.startswith("stimulus_")]
+    standard = lambda row: float(row[suffixed(row, "standard_")])
+    greater = all((row["target"] in FIRST) == (stimuli(row)[0] > stimuli(row)[1])
+                  for row in trials if observer == "choice" and row["target"])  # whether the greater is to be chosen
+    for row in counted(trials):
+        if observer == "choice":
+            second = row["standard_interval"] == "1"  # the comparison
+            level, positive = stimuli(row)[second] - standard(row), ((row["answer"] in FIRST) != second) == greater
+        elif "same" in row:
+            level, positive = abs(stimuli(row)[0] - stimuli(row)[1]), said_different(row)
+        else:
+            level, positive = abs(stimuli(row)[0] - standard(row)), row["answer"] == "yes"
+        add(row, level, int(positive), int(not positive))
+    return found
+
+
+def ln_rates(observer, lapse, level, ln_s, criterion):
+    """ln of the probability of a positive answer, and of the other one."""
+    cdf, slope = lambda z: math.erfc(-z / math.sqrt(2)) / 2, math.exp(-ln_s)
+    x = level * slope
+    if observer == "differencing":
+        x, t = x / math.sqrt(2), math.exp(criterion) / math.sqrt(2)
+        rates = cdf(x - t) + cdf(-x - t), cdf(t - x) - cdf(-x - t)
+    else:
+        if observer == "independent":
+            half = min(abs(x), 70) / 2
+            x = math.copysign(NORMAL.inv_cdf(2 * cdf(half) * cdf(-half)), x)
+        z = x - criterion * (slope if observer == "choice" else 1)
+        rates = cdf(z), cdf(-z)
+    return [math.log(max(lapse / 2 + (1 - lapse) * rate, 1e-300)) for rate in rates]
+
+
+def marginals(people, places, rates, fineness):
+    """ln L at each place: of each person the integral over u, w and, in each condition, v, where ln s = mu + u + v and
+    criterion = kappa + w. By the trapezoid rule; its nodes lie as close as so many answers may need, times fineness."""
+    trials = [[sum(map(sum, levels.values())) for levels in own.values()] for own in people]
+    most, sd = max(map(sum, trials)), {name: places[0][name] or SMALL_SD for name in ("tu", "tv", "tw")}
+    du, dv, dw = (1 / (fineness * math.sqrt(1 / sd[name] ** 2 + information)) for name, information in
+                  (("tu", 0.4 * most), ("tv", 0.4 * max(map(max, trials))), ("tw", 0.64 * most)))
+    step = min(du, dv)  # of ln s; a step of u is of_u of them, a step of v of_v
+    of_u, of_v = int(du / step), int(dv / step)
+    du, dv, totals = of_u * step, of_v * step, [0.0] * len(places)
+
+    @functools.lru_cache(None)
+    def prior(spread, d):
+        far = math.ceil(6.5 * spread / d)
+        return [NormalDist(0, spread).pdf(n * d) * d for n in range(-far, far + 1)] if spread else [1.0]
+
+    widest = sum(n * (len(prior(1.1 * sd[name], n * step)) // 2) for name, n in (("tu", of_u), ("tv", of_v)))
+    for own in people:
+        largest = {c: sum(n * math.log(n / sum(tally)) for tally in levels.values() for n in tally if n)
+                   for c, levels in own.items()}  # ln of the largest likelihood that any rates give
+
+        @functools.lru_cache(None)
+        def likelihoods(c, mu, kappa, j):
+            at = lambda a, level: rates(level, mu + a * step, kappa + j * dw)
+            return [math.exp(sum([n * rate for level, tally in own[c].items() for n, rate in zip(tally, at(a, level))])
+                             - largest[c]) for a in range(-widest, widest + 1)]
+
+        @functools.lru_cache(None)
+        def ln_over_v(c, mu, kappa, tv, i, j):
+            weights, middle = prior(tv, dv), widest + i * of_u
+            far = len(weights) // 2 * of_v
+            values = likelihoods(c, mu, kappa, j)[middle - far:middle + far + 1:of_v]
+            return math.log(sum(map(operator.mul, weights, values)) or 1e-300)
+
+        for number, place in enumerate(places):
+            of_i, of_j = prior(place["tu"], du), prior(place["tw"], dw)
+            far_i, far_j = len(of_i) // 2, len(of_j) // 2
+            ln_height = lambda i, j: math.log(of_i[far_i + i] * of_j[far_j + j]) + sum(
+                [ln_over_v(c, place["mu of " + c], place["kappa of " + c], place["tv"], i, j) for c in own])
+            # From the middle uphill, then outwards until what is left is less than e^-20 of the highest node.
+            nodes, highest, seen, heap = [], -math.inf, {(0, 0)}, [(-ln_height(0, 0), 0, 0)]
+            while heap and -heap[0][0] > highest - 20:
+                low, i, j = heapq.heappop(heap)
+                nodes, highest = nodes + [-low], max(highest, -low)
+                for near in {(i + 1, j), (i - 1, j), (i, j + 1), (i, j - 1)} - seen:
+                    if abs(near[0]) <= far_i and abs(near[1]) <= far_j:
+                        seen.add(near)
+                        heapq.heappush(heap, (-ln_height(*near), *near))
+            totals[number] += highest + math.log(sum(math.exp(one - highest) for one in nodes)) + sum(largest.values())
+    return totals
+
+
+def check_hierarchical():
+    """ln L at the exported estimates; and that it is a maximum: no small step of one of them raises it."""
+    said = read("hierarchical.csv")
+    if not said:
+        return
+    checked = Checked("hierarchical.csv", "the trials, at its own estimates", said, ("condition", "standard"))
+    first, used = said[0], [row for row in said if row["status"] not in NOT_IN_MODEL]
+    reasons = {f"the status of {row['condition']} is {row['status']}": row["status"] != "ok" for row in used}
+    reasons.update({"levels were pooled": first["levels"], "exact is 0": first["exact"] == "0",
+                    "no condition is in it": not used, "trials.csv is not in this folder": "trials.csv" not in LISTED})
+    if any(reasons.values()):
+        checked.open = []
+        checked.notes.append("not computed: the model, because " + ", ".join(filter(reasons.get, reasons)))
+        return
+    choice, several = first["observer"] == "choice", len({row.get("standard") for row in said}) > 1
+    jnd, criterion = suffixed(first, "jnd_"), suffixed(first, "bias_" if choice else "criterion")
+    checked.open = [column for column in first if "ci95" in column or column.startswith(("weber", "pse", "equal"))]
+    units = [float(row[jnd]) / float(row["weber"]) if several and row["weber"] else 1.0 for row in used]  # standards
+    s = [float(row[jnd]) / float(row.get("jnd_of_s", 1)) / unit for row, unit in zip(used, units)]
+    scale = min(s) if choice else 1.0  # so that criteria have the unit 1
+    place, steps, people, by_level = {}, [], {}, answers_by_level(first["observer"], "standard" in first)
+    for row, unit, own_s in zip(used, units, s):
+        where = (row["condition"], row.get("standard", ""))
+        c = ", ".join(where) if where[1] else where[0]
+        place["mu of " + c] = math.log(own_s / scale)
+        place["kappa of " + c] = float(row[criterion] or 0) / (unit * scale if choice else 1)  # empty: taken as 0
+        names = ("mu", "kappa") if row[criterion] else ("mu",)
+        steps += [(f"{name} of {c}", size) for name in names for size in (-STEP, STEP)]
+        for who, levels in by_level[where].items():
+            people.setdefault(who, {})[c] = {level / unit / scale: tally for level, tally in levels.items()}
+    for name, column in (("tu", "persons"), ("tv", "persons_by_condition"), ("tw", "pse" if choice else "criterion")):
+        place[name] = float(first["sd_" + column] or 0) / (scale if name == "tw" else 1)
+        size = min(STEP, place[name] / 10) or SMALL_SD
+        sizes = {"ok": (-size, size), "zero": (size,), "at_limit": (-size,)}.get(first[f"sd_{column}_status"], ())
+        steps += [(name, one) for one in sizes]
+    rates = functools.lru_cache(1 << 18)(functools.partial(ln_rates, first["observer"], float(first.get("lapse", 0))))
+    at = lambda places, fineness: marginals(list(people.values()), places, rates, fineness)
+    fineness = next((f for f in (1.0, 1.4, 2.0) if abs(at([place], f)[0] - at([place], 1.4 * f)[0]) < EXACT / 3), None)
+    if fineness is None:
+        checked.notes.append("not computed: the model, because its integrals depend on how finely they are summed")
+        return
+    ln_l, *others = at([place] + [{**place, name: place[name] + size} for name, size in steps], fineness)
+    rises = [other - ln_l for other in others]
+    checked.compared += 1 + len(rises)
+    checked.notes.append(f"ln L is {ln_l:.5f}; {len(steps)} small steps of the estimates add {max(rises):.5f} at most "
+                         f"(tolerance {EXACT})")
+    if not abs(ln_l - number(first["log_likelihood"])) < EXACT:
+        said_ln_l = first["log_likelihood"]
+        checked.wrong.append(f"hierarchical.csv, log_likelihood: the file says {said_ln_l}, computed {ln_l}")
+    for (name, size), rise in zip(steps, rises):
+        if rise > EXACT:
+            checked.wrong.append(f"hierarchical.csv, {name}: a step of {size:.2g} adds {rise:.5f} to ln L")
+
+
 # --- All of it -------------------------------------------------------------------------------------------------------
 
 # What every row says of the analysis: read, not computed.
@@ -900,6 +1071,7 @@ def main():
     check_pairs(of_any, with_ratings)
     check_tests(of_any, with_ratings)
     check_groups(outcome_named, groups, source)
+    check_hierarchical()
     for checked in Checked.all:
         checked.report()
     print("rows read: " + ", ".join(f"{read} of {ROWS.get(name)} in {name}" for name, read in ROWS_READ.items()))

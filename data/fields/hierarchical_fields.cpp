@@ -161,7 +161,10 @@ Fields<HierarchicalConditionRow> hierarchical_fields(const Protocol& protocol, S
          ends_field<R>("pse_status", "pse_ci95_status", [](const R& r) { return r.one->pse_status; }),
          F(
              "bias", "PSE less the standard", [](const R& r) { return r.one->criterion; },
-             in_study_unit(protocol, in_unit("bias_", protocol), "bias " + unit))});
+             in_study_unit(protocol, in_unit("bias_", protocol), "bias " + unit)),
+         F("lapse", "registered lapse rate l in P(comparison) = l/2 + (1 - l) Phi((level - PSE)/s)",
+           [](const R& r) { return r.of->lapse; }),
+         F("jnd_of_s", "JND / s, as registered", [](const R& r) { return r.of->jnd_of_s; })});
   else
     fields.push_back(F(
         "criterion",
@@ -184,6 +187,8 @@ Fields<HierarchicalConditionRow> hierarchical_fields(const Protocol& protocol, S
         "1; 0 if the log-likelihood still changes by more than 1e-6 when it is integrated more finely; empty "
         "without a model",
         [](const R& r) { return r.of->fitted() ? std::optional(r.of->exact) : std::nullopt; }, {.levels = "0 1"}));
+  fields.push_back(F("log_likelihood", "marginal log-likelihood at the estimates, without binomial coefficients",
+                     [](const R& r) { return r.of->log_likelihood; }));
   fields.push_back(F("levels", "different levels before those within 5 % of each other were pooled; empty if none were",
                      [](const R& r) { return pooled_count(r.of->gathered, r.of->gathered.from); }));
   fields.push_back(F("levels_pooled", "different levels after that",

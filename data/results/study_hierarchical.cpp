@@ -109,6 +109,7 @@ void StudyFit::lay_out() {
   }
   if (offered_) model_.response = answer_model_.response;
   model_.lapse = answer_model_.lapse;
+  model_.jnd_of_s = answer_model_.jnd_of_s;
   model_.pse_at_standard = answer_model_.pse_at_standard;
   model_.several_standards = series_ > 1;
   for (int series = 0; series < series_; ++series)
@@ -307,6 +308,7 @@ StudyHierarchical StudyFit::fitted(std::string separate, bool given_levels) {
     model_.reason = "the search for the largest likelihood did not settle";
   }
   model_.exact = fit.exact;
+  model_.log_likelihood = fit.maximum.log_likelihood;
   model_.cautions = hierarchical_cautions(fit, names(), model_.gathered);
   add_spreads(fit);
   set_conditions(model_.conditions, fit.conditions);

@@ -117,10 +117,12 @@ struct StudyHierarchical {
   }
   std::vector<std::string> cautions;      // hierarchical_cautions(), and of lapses
   bool exact = true;                      // HierarchicalFit::exact
+  double log_likelihood = kNaN;           // at the estimates; NaN unless fitted()
   std::optional<ResponseModel> response;  // none where it is not offered
-  double lapse = 0;
-  bool pse_at_standard = false;    // of choices: taken as the standard (AnswerModel::pse_at_standard)
-  bool several_standards = false;  // levels, and criteria of choices, count as shares of the standard
+  double lapse = 0;                       // AnswerModel::lapse
+  double jnd_of_s = 1;                    // AnswerModel::jnd_of_s
+  bool pse_at_standard = false;           // of choices: taken as the standard (AnswerModel::pse_at_standard)
+  bool several_standards = false;         // levels, and criteria of choices, count as shares of the standard
   PooledLevels gathered;
   std::string separate;  // how separate JNDs come about, for notes
   int participants = 0;  // with counted trials

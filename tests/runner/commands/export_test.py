@@ -258,6 +258,8 @@ class Export(program.Shared):
                     self.assertIn("  not computed: the rows of hierarchical_log_jnd", columns)
                 if name == "likelihood":
                     self.assertIn("group.csv: from the participants' JNDs in thresholds.csv (method ml)", printed)
+                if name in ("hierarchical", "likelihood", "independent", "staircase", "leib2015", "pang1991"):
+                    self.assertRegex(printed, r"  ln L is -\d+\.\d{5}; \d+ small steps of the estimates add -")
         if R is None:
             print("SKIPPED: recompute.R, there is no Rscript here (Debian's r-base-core)", file=sys.stderr)
             return
@@ -265,6 +267,32 @@ class Export(program.Shared):
         sources = "; ".join(f"cat('{name}\\n'); source('{folder}/recompute.R')" for name, folder in folders.items())
         done = program.run("-e", sources, program=R)
         self.assertEqual(done.stdout.count(" 0 differ by more than 1e-09"), len(folders), done.stdout)
+
+    def test_the_maximum_of_the_hierarchical_model_is_computed_again(self):
+        protocol = json.loads((program.ROOT / "protocols/tutorial.json").read_text())
+        protocol["series"].append({"name": "hard", "pair": [600, 900]})
+        protocol["analysis"].update({"group": "hierarchical", "stiffness": "delivered"})
+        protocol["trial"]["explore_s"] = 0.5
+        (self.folder / "people.json").write_text(json.dumps(protocol))
+        self.jnd("simulate", "people.json", "--participants", 6, "--study", "people.sqlite", "--seed", 3,
+                 "--profile", "chinello2017-varied")
+        folder = self.export("people")
+        header, rows = rows_of(folder / "hierarchical.csv")
+        self.assertEqual([rows[0][header.index(f"sd_{of}_status")] for of in ("persons", "persons_by_condition", "criterion")],
+                         ["zero", "ok", "ok"])
+        status, printed = self.python(folder)
+        self.assertEqual(status, 0, printed)
+        self.says(printed, "hierarchical.csv: from the trials, at its own estimates", "; 13 small steps of the estimates add -")
+        for column, wrong in (("jnd_n_per_m", "mu of S: a step of -0.01 adds"), ("criterion", "kappa of S: a step of -0.01 adds"),
+                              ("sd_persons_by_condition", "tv: a step of -0.01 adds"), ("log_likelihood", "log_likelihood: the file says")):
+            with self.subTest(column):
+                changed = [list(row) for row in rows]
+                changed[0][header.index(column)] = repr(float(rows[0][header.index(column)]) * 1.05)
+                with open(folder / "hierarchical.csv", "w", newline="") as out:
+                    csv.writer(out, lineterminator="\n").writerows([header, *changed])
+                status, printed = self.python(folder)
+                self.assertEqual(status, 1, printed)
+                self.assertIn(f"  DIFFERS: hierarchical.csv, {wrong}", printed)
 
     def scripts(self, folder):
         """What each script says of a folder: its status, and all that it prints."""
