@@ -968,7 +968,9 @@ def check_hierarchical():
     checked = Checked("hierarchical.csv", "the trials, at its own estimates", said, ("condition", "standard"))
     first, used = said[0], [row for row in said if row["status"] not in NOT_IN_MODEL]
     reasons = {f"the status of {row['condition']} is {row['status']}": row["status"] != "ok" for row in used}
+    own = len({row["sd_persons_by_condition"] for row in used}) > 1
     reasons.update({"levels were pooled": first["levels"], "exact is 0": first["exact"] == "0",
+                    "people differ by another spread in each condition": own,
                     "no condition is in it": not used, "trials.csv is not in this folder": "trials.csv" not in LISTED})
     if any(reasons.values()):
         checked.open = []

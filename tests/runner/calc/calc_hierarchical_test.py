@@ -239,7 +239,7 @@ class CalcHierarchical(program.Case):
         rows = [row for row in REFERENCE["same_different"][0]["input"]["rows"] if row[0] <= 6]
         few, more = ["\n".join(self.json_of(same_different_lines([row for row in rows if row[0] <= most]), "--task",
                                             "same-different")["cautions"]) for most in (3, 6)]
-        self.assertIn("3 participants are few: in simulated studies of 3 people, 92.7 %", few)
+        self.assertIn("3 participants are few: in simulated studies of 3 people, 95.3 %", few)
         self.assertNotIn("are few", more)
 
     def test_the_drawn_studies_are_the_seeds(self):
