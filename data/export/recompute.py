@@ -946,7 +946,8 @@ def marginals(people, places, rates, fineness):
             of_i, of_j = prior(place["tu"], du), prior(place["tw"], dw)
             far_i, far_j = len(of_i) // 2, len(of_j) // 2
             ln_height = lambda i, j: math.log(of_i[far_i + i] * of_j[far_j + j]) + sum(
-                [ln_over_v(c, place["mu of " + c], place["kappa of " + c], place["tv"], i, j) for c in own])
+                [ln_over_v(c, place["mu of " + c], place["kappa of " + c], place.get("tv of " + c, place["tv"]), i, j)
+                 for c in own])
             # From the middle uphill, then outwards until what is left is less than e^-20 of the highest node.
             nodes, highest, seen, heap = [], -math.inf, {(0, 0)}, [(-ln_height(0, 0), 0, 0)]
             while heap and -heap[0][0] > highest - 20:
@@ -968,9 +969,7 @@ def check_hierarchical():
     checked = Checked("hierarchical.csv", "the trials, at its own estimates", said, ("condition", "standard"))
     first, used = said[0], [row for row in said if row["status"] not in NOT_IN_MODEL]
     reasons = {f"the status of {row['condition']} is {row['status']}": row["status"] != "ok" for row in used}
-    own = len({row["sd_persons_by_condition"] for row in used}) > 1
     reasons.update({"levels were pooled": first["levels"], "exact is 0": first["exact"] == "0",
-                    "people differ by another spread in each condition": own,
                     "no condition is in it": not used, "trials.csv is not in this folder": "trials.csv" not in LISTED})
     if any(reasons.values()):
         checked.open = []
@@ -982,21 +981,27 @@ def check_hierarchical():
     units = [float(row[jnd]) / float(row["weber"]) if several and row["weber"] else 1.0 for row in used]  # standards
     s = [float(row[jnd]) / float(row.get("jnd_of_s", 1)) / unit for row, unit in zip(used, units)]
     scale = min(s) if choice else 1.0  # so that criteria have the unit 1
-    place, steps, people, by_level = {}, [], {}, answers_by_level(first["observer"], "standard" in first)
+    place, steps, people, names, by_level = {}, [], {}, [], answers_by_level(first["observer"], "standard" in first)
     for row, unit, own_s in zip(used, units, s):
         where = (row["condition"], row.get("standard", ""))
         c = ", ".join(where) if where[1] else where[0]
         place["mu of " + c] = math.log(own_s / scale)
         place["kappa of " + c] = float(row[criterion] or 0) / (unit * scale if choice else 1)  # empty: taken as 0
-        names = ("mu", "kappa") if row[criterion] else ("mu",)
-        steps += [(f"{name} of {c}", size) for name in names for size in (-STEP, STEP)]
+        names.append(c)
+        free = ("mu", "kappa") if row[criterion] else ("mu",)
+        steps += [(f"{name} of {c}", size) for name in free for size in (-STEP, STEP)]
         for who, levels in by_level[where].items():
             people.setdefault(who, {})[c] = {level / unit / scale: tally for level, tally in levels.items()}
-    for name, column in (("tu", "persons"), ("tv", "persons_by_condition"), ("tw", "pse" if choice else "criterion")):
-        place[name] = float(first["sd_" + column] or 0) / (scale if name == "tw" else 1)
+    spreads = [("tu", "persons", first), ("tw", "pse" if choice else "criterion", first)]
+    own_tv = len({row["sd_persons_by_condition"] for row in used}) > 1
+    for c, row in zip(names, used) if own_tv else [(None, first)]:
+        spreads.append((f"tv of {c}" if own_tv else "tv", "persons_by_condition", row))
+    for name, column, row in spreads:
+        place[name] = float(row["sd_" + column] or 0) / (scale if name == "tw" else 1)
         size = min(STEP, place[name] / 10) or SMALL_SD
-        sizes = {"ok": (-size, size), "zero": (size,), "at_limit": (-size,)}.get(first[f"sd_{column}_status"], ())
+        sizes = {"ok": (-size, size), "zero": (size,), "at_limit": (-size,)}.get(row[f"sd_{column}_status"], ())
         steps += [(name, one) for one in sizes]
+    place.setdefault("tv", max(value for name, value in place.items() if name.startswith("tv")))
     rates = functools.lru_cache(1 << 18)(functools.partial(ln_rates, first["observer"], float(first.get("lapse", 0))))
     at = lambda places, fineness: marginals(list(people.values()), places, rates, fineness)
     fineness = next((f for f in (1.0, 1.4, 2.0) if abs(at([place], f)[0] - at([place], 1.4 * f)[0]) < EXACT / 3), None)

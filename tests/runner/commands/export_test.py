@@ -284,7 +284,7 @@ class Export(program.Shared):
         self.assertEqual(status, 0, printed)
         self.says(printed, "hierarchical.csv: from the trials, at its own estimates", "; 13 small steps of the estimates add -")
         for column, wrong in (("jnd_n_per_m", "mu of S: a step of -0.01 adds"), ("criterion", "kappa of S: a step of -0.01 adds"),
-                              ("sd_persons_by_condition", "tv: a step of -0.01 adds"), ("log_likelihood", "log_likelihood: the file says")):
+                              ("sd_persons_by_condition", "tv of S: a step of -0.01 adds"), ("log_likelihood", "log_likelihood: the file says")):
             with self.subTest(column):
                 changed = [list(row) for row in rows]
                 changed[0][header.index(column)] = repr(float(rows[0][header.index(column)]) * 1.05)
