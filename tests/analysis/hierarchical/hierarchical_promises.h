@@ -31,9 +31,9 @@ inline RandomStudy random_study(std::uint64_t number) {
   const auto whole = [&](int from, int to) { return from + static_cast<int>(uniform() * (to - from + 1)); };
   const auto any = [&](double share) { return uniform() < share; };
   RandomStudy study;
-  study.model.response = std::array{ResponseModel::yes_no, ResponseModel::yes_no, ResponseModel::differencing,
-                                    ResponseModel::independent, ResponseModel::choice,
-                                    ResponseModel::choice}[static_cast<std::size_t>(whole(0, 5))];
+  study.model.response = std::array{
+      ResponseModel::yes_no,      ResponseModel::yes_no, ResponseModel::differencing,
+      ResponseModel::independent, ResponseModel::choice, ResponseModel::choice}[static_cast<std::size_t>(whole(0, 5))];
   const ResponseModel response = study.model.response;
   const bool choice = response == ResponseModel::choice;
   const int people = any(0.5) ? whole(2, 6) : whole(2, 18), conditions = any(0.7) ? whole(1, 4) : whole(1, 12);
@@ -46,8 +46,9 @@ inline RandomStudy random_study(std::uint64_t number) {
   truth.tw = any(0.2) ? 0 : 0.6 * uniform() * (choice ? 100 : 1);
   for (int c = 0; c < conditions; ++c) {
     truth.mu.push_back(std::log(jnd) + 0.6 * (uniform() - 0.5));
-    truth.kappa.push_back(choice ? 100 * (uniform() - 0.5)
-                                 : response == ResponseModel::independent ? uniform() - 0.5 : 0.4 + 0.8 * uniform());
+    truth.kappa.push_back(choice                                   ? 100 * (uniform() - 0.5)
+                          : response == ResponseModel::independent ? uniform() - 0.5
+                                                                   : 0.4 + 0.8 * uniform());
   }
   const std::vector<double> levels =
       choice ? std::vector<double>{-200, -100, -50, 50, 100, 200} : std::vector<double>{200, 300, 400};
@@ -99,7 +100,8 @@ inline Kept kept_promises(const RandomStudy& study, bool denser = true) {
   const HierarchicalFit& fit = analysis.complete(wish, 1);
   kept.unsettled = !fit.maximum.converged;
   kept.inexact = !fit.exact;
-  const auto look = [&](const std::string& name, double estimate, bool stated, const ProfileEnds& ends, auto&& drop_at) {
+  const auto look = [&](const std::string& name, double estimate, bool stated, const ProfileEnds& ends,
+                        auto&& drop_at) {
     if (ends.status == EndsStatus::not_computed) return;
     if (ends.status == EndsStatus::out_of_work) ++kept.out_of_work;
     if (ends.status == EndsStatus::not_converged) ++kept.not_converged;
@@ -137,15 +139,16 @@ inline Kept kept_promises(const RandomStudy& study, bool denser = true) {
   looked = 0;
   for (const ConditionDifference& one : fit.differences) {
     if (one.ends.status != EndsStatus::ok || std::isnan(one.difference)) continue;
-    if (!std::isnan(one.p) && std::abs(one.p - 0.05) > 0.001 && (one.p < 0.05) != (one.ends.low > 0 || one.ends.high < 0))
+    if (!std::isnan(one.p) && std::abs(one.p - 0.05) > 0.001 &&
+        (one.p < 0.05) != (one.ends.low > 0 || one.ends.high < 0))
       say(fmt::format("difference {} {}: p {:.4f} and the interval is {} to {}", one.a, one.b, one.p, one.ends.low,
                       one.ends.high));
     const bool test = looked++ < 1;
-    look(fmt::format("difference {} {}", one.a, one.b), one.difference, false, one.ends, [&](double value) {
-      return test ? analysis.drop_of_difference(one.a, one.b, value) : kNaN;
-    });
+    look(fmt::format("difference {} {}", one.a, one.b), one.difference, false, one.ends,
+         [&](double value) { return test ? analysis.drop_of_difference(one.a, one.b, value) : kNaN; });
   }
-  if (fit.df > 0 && fit.common.log_likelihood > fit.maximum.log_likelihood + kTold) say("one mean is better than several");
+  if (fit.df > 0 && fit.common.log_likelihood > fit.maximum.log_likelihood + kTold)
+    say("one mean is better than several");
   for (int i = 0; i < 3; ++i) {
     HierarchicalModel less = study.model;
     bool& spread = i == 0 ? less.tu : i == 1 ? less.tv : less.tw;
