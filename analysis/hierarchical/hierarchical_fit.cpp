@@ -380,8 +380,11 @@ HeldNumber HierarchicalAnalysis::difference_number(std::size_t a, std::size_t b)
   const double widest = range_.highest() - range_.lowest();
   number.lowest = std::max(-widest, number.estimate - kFurthestFactor);
   number.highest = std::min(widest, number.estimate + kFurthestFactor);
-  number.hold = [this, a, b](double value, const HierarchicalMaximum& from) {
-    const HierarchicalForm form = form_.with_difference(a, b, value);
+  // As int: so much fits into a function without memory of its own.
+  number.hold = [this, a = static_cast<int>(a), b = static_cast<int>(b)](double value,
+                                                                         const HierarchicalMaximum& from) {
+    const HierarchicalForm form =
+        form_.with_difference(static_cast<std::size_t>(a), static_cast<std::size_t>(b), value);
     return HeldSearch{form, start_of(form, from)};
   };
   number.slope = [a](HierarchicalLikelihood&, const HierarchicalMaximum& there) { return there.slope.mu[a]; };
@@ -476,11 +479,11 @@ std::vector<HierarchicalAnalysis::Task> HierarchicalAnalysis::tasks_of(const Hie
     tasks.push_back({.number = shared_number(which),
                      .tested = limits.low > 0 ? kNaN : 0,  // there is no test of 0
                      .ends = &one.ends,
-                     .done = [&one, limits](const Task& task) {
-                       if (limits.low > 0) return;
+                     .done = [&one, low = limits.low](const Task& task) {
+                       if (low > 0) return;
                        one.lr = 2 * task.drop;
                        one.p = chi2_upper(one.lr, 1);
-                       if (limits.low == 0) one.p = one.status == SharedStatus::zero ? 1 : one.p / 2;
+                       if (low == 0) one.p = one.status == SharedStatus::zero ? 1 : one.p / 2;
                      }});
   }
   return tasks;
