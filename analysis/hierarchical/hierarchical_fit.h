@@ -193,6 +193,7 @@ class HierarchicalAnalysis {
   std::vector<PersonEstimate> people();
 
  private:
+  static constexpr int kMostRestarts = 6;  // because a larger likelihood was come upon
   struct Task;
 
   bool kept(std::size_t condition) const noexcept { return kept_[condition]; }
@@ -214,6 +215,8 @@ class HierarchicalAnalysis {
   template <typename Number>
   double drop_of(const Number& number, double value);
   std::vector<Task> tasks_of(const HierarchicalWish& wish);
+  double complete_one(Task& task, double share) const;
+  double complete_all(std::vector<Task>& tasks, double left, int threads);
   template <typename AtEnd>
   SlopeStatus status_of(double ln_s, double log_likelihood, const AtEnd& at_end) const;
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <tuple>
 #include <utility>
 
@@ -75,6 +76,10 @@ std::vector<std::vector<LatticeQuestion>> questions_of(std::span<const Hierarchi
   return questions;
 }
 
+double sd_with(double prior, double information) {
+  return prior / std::sqrt(1 + prior * prior * information);
+}
+
 // Of a ladder of steps, a rung no longer than this one: neighbouring places have the same lattice.
 double rung_below(double step) {
   return std::exp2(std::floor(2 * std::log2(step)) / 2);
@@ -97,7 +102,11 @@ HierarchicalPlace& HierarchicalPlace::operator+=(const HierarchicalPlace& other)
 
 HierarchicalLikelihood::HierarchicalLikelihood(std::span<const HierarchicalCell> cells, ResponseModel model,
                                                const SharedParameters& shared, double fineness)
-    : model_(model), shared_(shared), fineness_(fineness * fineness_of(model)), questions_(questions_of(cells)) {
+    : model_(model),
+      shared_(shared),
+      reach_(fineness),
+      fineness_(fineness * fineness_of(model)),
+      questions_(questions_of(cells)) {
   std::size_t participants = 0;
   for (const HierarchicalCell& cell : cells)
     participants = std::max(participants, static_cast<std::size_t>(cell.participant) + 1);
@@ -118,7 +127,7 @@ HierarchicalLikelihood::HierarchicalLikelihood(std::span<const HierarchicalCell>
   for (std::size_t i = 0; i < participants; ++i) people_[i].number = i;
   for (std::size_t c = 0; c < conditions_; ++c) {
     Lattice& lattice = lattices_.emplace_back().emplace_back(
-        Lattice{{model, questions_[c], shared, {}}, {model, questions_[c], shared, {}}, {}});
+        Lattice{{model, questions_[c], shared, {}}, {model, questions_[c], shared, {}}, {}, {}});
     for (std::size_t i = 0; i < participants; ++i) lattice.cells.emplace_back(std::move(answers[i * conditions_ + c]));
   }
 }
@@ -185,11 +194,11 @@ LatticeSteps HierarchicalLikelihood::steps_about(std::size_t condition, const Hi
     design.clear();
     for (const QuestionAnswers& one : cell(person, condition).answers())
       if (one.counts.trials() > 0) design.push_back({questions_[condition][one.question].level, one.counts.trials()});
-    const auto sd = [](double prior, double information) { return prior / std::sqrt(1 + prior * prior * information); };
     const double mode_s = place.mu[condition] + (person.u.low + person.u.high) / 2,
                  mode_k = place.kappa[condition] + (person.w.low + person.w.high) / 2;
-    const double beside_s = kAround * std::hypot(sd(place.tu, person.information_u), sd(tv, person.information_u)),
-                 beside_k = kAround * sd(place.tw, person.information_w);
+    const double beside_s =
+                     kAround * std::hypot(sd_with(place.tu, person.information_u), sd_with(tv, person.information_u)),
+                 beside_k = kAround * sd_with(place.tw, person.information_w);
     for (const auto& [i, j] : {std::pair{0, 0}, {-1, 0}, {1, 0}, {0, -1}, {0, 1}}) {
       const double s = mode_s + i * beside_s, k = mode_k + j * beside_k;
       double told_s = 0;
@@ -230,7 +239,7 @@ void HierarchicalLikelihood::choose_lattices(const HierarchicalPlace& place) {
     }
     constexpr std::size_t kMostLattices = 3;
     const ResponseLattice empty(model_, questions_[c], shared_, steps);
-    Lattice fresh{empty, empty, {}};
+    Lattice fresh{empty, empty, {}, {}};
     for (const CellLikelihood& cell : of.front().cells) fresh.cells.emplace_back(cell.answers());
     const LatticeRange& range = of.front().responses.range();
     if (choice() || range.empty() || range.nodes() > kMostKept) of.erase(of.begin());
@@ -254,9 +263,9 @@ void HierarchicalLikelihood::locate(Person& person, const HierarchicalPlace& pla
   person.information_u = mode.information_u;
   person.information_w = mode.information_w;
   person.correlation = mode.correlation;
-  const double reach = kFirstReach * std::min(fineness_, 1.0);
+  const double reach = kFirstReach * reach_;
   const auto about = [reach](double middle, double prior, double information) {
-    const double sd = prior > 0 ? 1 / std::sqrt(1 / (prior * prior) + information) : 0;
+    const double sd = sd_with(prior, information);
     return Range{middle - reach * sd, middle + reach * sd};
   };
   person.u = about(mode.u, place.tu, mode.information_u);
@@ -324,7 +333,7 @@ void HierarchicalLikelihood::integrate(Person& person, Evaluation& at) {
 bool HierarchicalLikelihood::grown(Person& person, const Evaluation& at) const {
   bool grew = false;
   const auto look = [this, &grew](const std::vector<double>& margin, Range& range, double prior) {
-    const double edge = std::exp(kLogEdge * fineness_ * fineness_) * *std::max_element(margin.begin(), margin.end());
+    const double edge = std::exp(kLogEdge * reach_ * reach_) * *std::max_element(margin.begin(), margin.end());
     const double more = kGrowth * (range.high - range.low), furthest = kFurthest * prior;
     const bool below = margin.front() > edge && range.low > -furthest,
                above = margin.back() > edge && range.high < furthest;
@@ -343,7 +352,7 @@ bool HierarchicalLikelihood::fine_enough(Person& person, const Evaluation& at) c
   if (!at.anything_left()) return true;
   constexpr double kNarrow = 0.5, kNarrowest = 0.02;  // the last: standard deviations of the prior
   const Evaluation::Moments mean = at.moments();
-  const double share = std::exp(kLogEdge * fineness_ * fineness_);
+  const double share = std::exp(kLogEdge * reach_ * reach_);
   const auto look = [share](double variance, double prior, double spacing, double& information, Range& range,
                             const std::vector<double>& margin, int first) {
     const double least = kNarrow * spacing * kNarrow * spacing;
@@ -395,15 +404,33 @@ void HierarchicalLikelihood::go_back(Evaluation& at) const {
   }
 }
 
-// The kernels for everybody's nodes, and some beside them.
+// Of those people, the ones whose posteriors are about as wide as the narrowest: one of a guessing person would take
+// thousands of the nodes of one who always knows.
+std::vector<std::size_t> HierarchicalLikelihood::alike(std::vector<std::size_t> people,
+                                                       const HierarchicalPlace& place) const {
+  constexpr double kAsWide = 4;
+  const auto keep = [&](double prior, double Person::*information) {
+    const auto sd = [&](std::size_t i) { return sd_with(prior, people_[i].*information); };
+    double least = kInf;
+    for (const std::size_t i : people) least = std::min(least, sd(i));
+    std::erase_if(people, [&](std::size_t i) { return sd(i) > kAsWide * least; });
+  };
+  keep(place.tu, &Person::information_u);
+  keep(place.tw, &Person::information_w);
+  return people;
+}
+
+// The kernels for those people's nodes, and some beside them.
 HierarchicalLikelihood::Evaluation HierarchicalLikelihood::prepared(const HierarchicalPlace& place,
-                                                                    const NodeOffset& offset) {
+                                                                    const NodeOffset& offset,
+                                                                    std::span<const std::size_t> people) {
   Evaluation at(place, offset);
   at.choice = choice();
   double sd_u = place.tu, sd_w = place.tw, correlation = std::abs(place.rho);
-  for (const Person& person : people_) {
-    sd_u = std::min(sd_u, 1 / std::sqrt(1 / (place.tu * place.tu) + person.information_u));
-    sd_w = std::min(sd_w, 1 / std::sqrt(1 / (place.tw * place.tw) + person.information_w));
+  for (const std::size_t i : people) {
+    const Person& person = people_[i];
+    sd_u = std::min(sd_u, sd_with(place.tu, person.information_u));
+    sd_w = std::min(sd_w, sd_with(place.tw, person.information_w));
     correlation = std::max(correlation, std::abs(person.correlation));
   }
   // Of correlated directions the sum errs with exp(-2 pi^2 (2 - 2 r)) too.
@@ -415,8 +442,8 @@ HierarchicalLikelihood::Evaluation HierarchicalLikelihood::prepared(const Hierar
   if (at.has_u) at.spacing_u = std::min(spacing * sd_u, kSmoothU / fineness_);
   if (at.has_w)
     at.spacing_w = std::min(spacing * sd_w, std::max(smooth_w / fineness_, 2 * kFurthest * place.tw / kMostNodesW));
-  for (const Person& person : people_) {
-    const Rectangle box = rectangle_of(person, at);
+  for (const std::size_t i : people) {
+    const Rectangle box = rectangle_of(people_[i], at);
     at.all = {std::min(at.all.u0, box.u0), std::max(at.all.u1, box.u1), std::min(at.all.w0, box.w0),
               std::max(at.all.w1, box.w1)};
   }
@@ -426,7 +453,7 @@ HierarchicalLikelihood::Evaluation HierarchicalLikelihood::prepared(const Hierar
   at.all = {at.all.u0 - more_u, at.all.u1 + more_u, at.all.w0 - more_w, at.all.w1 + more_w};
   for (std::size_t c = 0; c < conditions_; ++c) {
     at.over_s.emplace_back(place.mu[c] + at.u(0), at.spacing_u, at.all.u0, at.all.u1, place.tv_of(c),
-                           responses(c).steps().ln_s, kFollowed * std::min(fineness_, 1.0));
+                           responses(c).steps().ln_s, kFollowed * std::min(reach_, 1.0));
     if (choice()) {
       lay_out_rows(c, at.read_by(c, asked), place.kappa[c] + at.w(0), at.spacing_w);
       continue;
@@ -434,10 +461,7 @@ HierarchicalLikelihood::Evaluation HierarchicalLikelihood::prepared(const Hierar
     at.over_k.emplace_back(place.kappa[c] + at.w(0), at.spacing_w, at.all.w0, at.all.w1, 0,
                            responses(c).steps().criterion, 0);
     const LatticeRange needed = at.read_by(c, asked);
-    if (responses(c).range().nodes() > std::max(kMostKept, kMostWaste * needed.nodes())) {
-      responses(c).forget();
-      for (CellLikelihood& cell : lattices_[c].front().cells) cell.forget();
-    }
+    lattices_[c].front().needed = lattices_[c].front().needed.united(needed);
     responses(c).cover(needed);
     work_ += responses(c).worked();
   }
@@ -524,18 +548,28 @@ void HierarchicalLikelihood::through_everybody(const HierarchicalPlace& place, E
       work_ += kToLocate * static_cast<double>(cell(person, c).answers().size());
   }
   choose_lattices(place);
-  for (;;) {
-    Evaluation at = prepared(place, offset);
+  for (std::vector<Lattice>& of : lattices_) of.front().needed = {};
+  std::vector<std::size_t> pending(people_.size());
+  std::iota(pending.begin(), pending.end(), 0);
+  while (!pending.empty()) {
+    const std::vector<std::size_t> people = alike(pending, place);
+    Evaluation at = prepared(place, offset, people);
     at.back_to_cells = by.any();
     if (by.any()) look_beside(place, by);
-    std::size_t done = 0;
-    for (; done < people_.size() && settled(people_[done], at); ++done) {
+    for (const std::size_t i : people) {
+      if (!settled(people_[i], at)) break;
       go_back(at);
-      each(done, at);
-      if (!fine_enough(people_[done], at)) break;
-      for (std::size_t c = 0; c < conditions_ && choice(); ++c) cell(people_[done], c).forget();
+      each(i, at);
+      if (!fine_enough(people_[i], at)) break;
+      for (std::size_t c = 0; c < conditions_ && choice(); ++c) cell(people_[i], c).forget();
+      std::erase(pending, i);
     }
-    if (done == people_.size()) break;
+  }
+  for (std::vector<Lattice>& of : lattices_) {
+    Lattice& now = of.front();
+    if (now.responses.range().nodes() <= std::max(kMostKept, kMostWaste * now.needed.nodes())) continue;
+    now.responses.forget();
+    for (CellLikelihood& cell : now.cells) cell.forget();
   }
   work_ = before + (work_ - before) * (choice() ? kDearerChoice : 1) * (by.any() ? kDearerShared : 1);
 }
@@ -562,6 +596,19 @@ HierarchicalLikelihood::Value HierarchicalLikelihood::at(const HierarchicalPlace
     for (std::size_t k = 0; k < by_shared[i].size(); ++k) value.by_shared[k] += by_shared[i][k];
   }
   return value;
+}
+
+std::vector<CellInformation> HierarchicalLikelihood::told_by_one(const HierarchicalPlace& place) const {
+  std::vector<CellInformation> told;
+  for (std::size_t c = 0; c < conditions_; ++c) {
+    std::vector<LevelTrials> design;
+    for (const LatticeQuestion& question : questions_[c]) design.push_back({question.level, 0});
+    for (const CellLikelihood& cell : lattices_[c].front().cells)
+      for (const QuestionAnswers& one : cell.answers())
+        design[one.question].trials += one.counts.trials() / static_cast<double>(people_.size());
+    told.push_back(expected_information(model_, design, place.mu[c], place.kappa[c], shared_));
+  }
+  return told;
 }
 
 std::vector<PersonPosterior> HierarchicalLikelihood::posteriors(const HierarchicalPlace& given) {

@@ -92,6 +92,10 @@ class HierarchicalLikelihood {
   std::vector<std::vector<PersonDeviation>> deviations(const HierarchicalPlace& given, const NodeOffset& offset,
                                                        std::span<const std::vector<double>> numbers);
 
+  // What a person's answers in each condition tell of ln s and the criterion there, on average: the expected information at
+  // the group's mean.
+  std::vector<CellInformation> told_by_one(const HierarchicalPlace& place) const;
+
   std::size_t participants() const noexcept { return people_.size(); }
   std::size_t conditions() const noexcept { return conditions_; }
   // What was computed since it was made, about in nanoseconds: numbers of nodes, answers and rates, each times what it
@@ -125,6 +129,7 @@ class HierarchicalLikelihood {
   struct Lattice {
     ResponseLattice responses, beside;  // of choices the latter a step of the criterion away
     std::vector<CellLikelihood> cells;  // by participant
+    LatticeRange needed;                // of the evaluation at work
   };
 
   ResponseLattice& responses(std::size_t condition) noexcept { return lattices_[condition].front().responses; }
@@ -142,7 +147,8 @@ class HierarchicalLikelihood {
   LatticeSteps steps_about(std::size_t condition, const HierarchicalPlace& place) const;
   void choose_lattices(const HierarchicalPlace& place);
   void locate(Person& person, const HierarchicalPlace& place) const;
-  Evaluation prepared(const HierarchicalPlace& place, const NodeOffset& offset);
+  std::vector<std::size_t> alike(std::vector<std::size_t> people, const HierarchicalPlace& place) const;
+  Evaluation prepared(const HierarchicalPlace& place, const NodeOffset& offset, std::span<const std::size_t> people);
   template <typename Each>
   void through_everybody(const HierarchicalPlace& place, Each&& each, const NodeOffset& offset = {},
                          const SharedForm& by = {});
@@ -159,7 +165,8 @@ class HierarchicalLikelihood {
 
   ResponseModel model_;
   SharedParameters shared_;
-  double fineness_;
+  double reach_;     // 1, or more or less: how far out an integral goes
+  double fineness_;  // how close its nodes lie
   std::size_t conditions_ = 0;
   // By condition: what was asked, and the lattice of now before some earlier ones.
   std::vector<std::vector<LatticeQuestion>> questions_;

@@ -36,7 +36,6 @@ std::vector<HierarchicalMaximum> with_other_spreads(const HierarchicalForm& form
 Profile::Profile(HierarchicalSearch& search, const HierarchicalMaximum& best, const HeldNumber& number)
     : search_(search), best_(best), number_(number) {
   points_.push_back({number.estimate, 0, best, true});
-  points_.back().maximum.curvature.clear();  // of another form
 }
 
 HierarchicalMaximum Profile::searched(double value, const HierarchicalMaximum& from) const {
@@ -69,9 +68,7 @@ const Profile::Point& Profile::look(double value) {
 const Profile::Point& Profile::confirm(double value) {
   HierarchicalMaximum found = look(value).maximum;
   const auto [form, start] = number_.hold(value, best_);
-  std::vector<HierarchicalMaximum> starts = with_other_spreads(form, start, search_.unit());
-  starts.push_back(start);
-  for (const HierarchicalMaximum& other : starts) search_.improve(form, other, found, most_work_);
+  search_.improve(form, with_other_spreads(form, start, search_.unit()), found, most_work_);
   keep(value, found);
   Point& point =
       *std::find_if(points_.begin(), points_.end(), [value](const Point& one) { return one.value == value; });
@@ -128,14 +125,18 @@ double Profile::end(double side, EndsStatus& status) {
       if (point.value == value) return point.drop;
     return kNaN;
   };
-  double reach = number_.unit / 3;
+  constexpr double kBeside = 1e-3;
+  const auto [form, beside] = number_.hold(number_.estimate + kBeside * number_.unit, best_);
+  const double error = standard_error(form, best_, beside, kBeside * number_.unit, search_.unit());
+  double reach = std::min(number_.unit / 3, std::isnan(error) ? kInf : root * error);
   for (int left_behind = 0; left_behind <= kMostLeftBehind; ++left_behind) {
     double inside = known_inside(), outside = known_outside(inside);
     // Outwards, as far as a parabola promises.
     while (std::isnan(outside) && side * (limit - inside) > 0) {
       if (worked()) break;
       const double from = side * (inside - number_.estimate), known = drop_at(inside);
-      if (from > 0 && known > 0) reach = std::clamp(from * (root / std::sqrt(2 * known) * 1.1 - 1), from / 8, 3 * from);
+      if (from > 0 && known > 0)
+        reach = std::clamp(from * (root / std::sqrt(2 * known) * 1.03 - 1), from / 8, 3 * from);
       double next = inside + side * std::max(reach, number_.unit / 50);
       if (side * (limit - next) < number_.unit / 20) next = limit;
       (look(next).drop > kProfileDrop ? outside : inside) = next;

@@ -1,7 +1,7 @@
 // The largest ln L where one number of the model is held, and the 95 % interval that follows.
 //
-// Every value is searched from its neighbours and from the free maximum; a test, and each end of an interval, from other
-// spreads and criteria too. An end at which these find more than the first search did is left behind, and the search
+// Every value is searched from its nearest neighbour, the first from the free maximum; a test, and each end of an interval,
+// from other spreads too. An end at which these find more than the first search did is left behind, and the search
 // goes on outwards. An interval is the connected set of values about the estimate.
 //
 // Source: Venzon and Moolgavkar 1988, Appl Statist 37:87.

@@ -8,9 +8,10 @@
 #include <numeric>
 #include <set>
 #include <stdexcept>
+#include <tuple>
 #include <utility>
 
-#include "analysis/hierarchical/corrected_curvature.h"
+#include "analysis/hierarchical/hierarchical_variables.h"
 #include "analysis/numerics/box_newton.h"
 #include "analysis/numerics/stop_request.h"
 
@@ -21,154 +22,51 @@ namespace {
 constexpr double kPooledNegligible = 1e-10;  // ln L of the pooled answers
 constexpr double kRoughly = 0.8;             // of the fineness of nodes
 constexpr double kLatticesDiffer = 1e-6;     // ln L at places beside each other, on other lattices
-constexpr double kRidge = 1e-3;              // least curvature of every variable, in its unit
+constexpr double kPromising = 1e-4;          // more than what is known, on rough nodes
 
-// Where a search stands.
-struct SearchedPlace {
-  HierarchicalPlace place;
-  SharedParameters shared;
-};
-
-// Places as vectors of what is free, and back. Spreads enter squared.
-class Variables {
+// The curvature of a function whose slopes are known, corrected by every step of a search.
+// Minus the second derivatives, positive definite: a square matrix by rows. Of one search, from its first place on.
+// Source: Broyden, Fletcher, Goldfarb and Shanno; Nocedal and Wright 2006, Numerical Optimization, equation 6.19.
+class CorrectedCurvature {
  public:
-  Variables(const HierarchicalForm& form, SearchedPlace start, double unit)
-      : form_(form), start_(std::move(start)), unit_(unit), conditions_(form.of.size()) {
-    for (const int one : form.of) means_ = std::max(means_, static_cast<std::size_t>(one + 1));
-    for (const SharedParameter which : kSharedParameters)
-      if (form.shared.has(which)) shared_.push_back(which);
+  bool empty() const noexcept { return matrix_.empty(); }
+  const std::vector<double>& matrix() const noexcept { return matrix_; }
+
+  // At the first place, whose slope is `gradient`: any positive definite matrix near the curvature there.
+  void begin(std::vector<double> matrix, const std::vector<double>& place, const std::vector<double>& gradient) {
+    matrix_ = std::move(matrix);
+    place_ = place;
+    gradient_ = gradient;
   }
 
-  std::size_t means() const noexcept { return means_; }
-  std::size_t count() const noexcept {
-    return means_ + criteria() + spreads() + static_cast<std::size_t>(form_.rho) + shared_.size();
-  }
+  // The last correction was of a step that was not taken: from so far off a slope tells little of the curvature here.
+  void undo() { std::tie(matrix_, place_, gradient_) = before_; }
 
-  std::vector<double> start() const {
-    const HierarchicalPlace& place = start_.place;
-    std::vector<double> x(means_, 0);
-    std::vector<int> bound(means_, 0);
-    for (std::size_t c = 0; c < conditions_; ++c)
-      if (form_.of[c] >= 0) {
-        x[static_cast<std::size_t>(form_.of[c])] += place.mu[c] - form_.offset[c];
-        ++bound[static_cast<std::size_t>(form_.of[c])];
-      }
-    for (std::size_t i = 0; i < means_; ++i) x[i] /= bound[i];
-    for (std::size_t c = 0; c < conditions_; ++c)
-      if (!holds_criterion(c)) x.push_back(place.kappa[c] / unit_);
-    for (const auto& [spread, unit] : free_spreads(form_, place, unit_)) {
-      const double one = std::max(*spread / unit, kSmallestSpread);
-      x.push_back(one * one);
-    }
-    if (form_.rho) x.push_back(place.rho);
-    for (const SharedParameter which : shared_) x.push_back(value_of(start_.shared, which) / unit_of(which));
-    return x;
-  }
-
-  SearchedPlace to(const std::vector<double>& x) const {
-    SearchedPlace searched = start_;
-    HierarchicalPlace& place = searched.place;
-    for (std::size_t c = 0; c < conditions_; ++c)
-      place.mu[c] = form_.offset[c] + (form_.of[c] < 0 ? 0 : x[static_cast<std::size_t>(form_.of[c])]);
-    std::size_t i = means_;
-    for (std::size_t c = 0; c < conditions_; ++c)
-      if (!holds_criterion(c)) place.kappa[c] = x[i++] * unit_;
-    for (const auto& [spread, unit] : free_spreads(form_, place, unit_)) *spread = std::sqrt(x[i++]) * unit;
-    if (form_.rho) place.rho = x[i++];
-    for (const SharedParameter which : shared_) value_of(searched.shared, which) = x[i++] * unit_of(which);
-    return searched;
-  }
-
-  std::vector<double> slope(const HierarchicalPlace& by, const OfSharedParameters& by_shared,
-                            const HierarchicalPlace& at) const {
-    std::vector<double> slope(means_, 0);
-    for (std::size_t c = 0; c < conditions_; ++c)
-      if (form_.of[c] >= 0) slope[static_cast<std::size_t>(form_.of[c])] += by.mu[c];
-    for (std::size_t c = 0; c < conditions_; ++c)
-      if (!holds_criterion(c)) slope.push_back(by.kappa[c] * unit_);
-    const auto by_spreads = free_spreads(form_, by, unit_), spreads = free_spreads(form_, at, unit_);
-    for (std::size_t i = 0; i < spreads.size(); ++i)
-      slope.push_back(*by_spreads[i].value * spreads[i].unit * spreads[i].unit / (2 * *spreads[i].value));
-    if (form_.rho) slope.push_back(by.rho);
-    for (const SharedParameter which : shared_) slope.push_back(of(by_shared, which) * unit_of(which));
-    return slope;
-  }
-
-  // Of a search that knows nothing yet: what each participant tells at spreads of about a third, and no first step longer
-  // than these in any variable.
-  std::vector<double> first_curvature(const std::vector<double>& slope, std::size_t participants) const {
-    constexpr double kLongest = 0.5, kLongestOfSquares = 0.1, kLongestOfRates = 0.05;
-    constexpr double kOfOne = 4, kOfOneSquare = 20;
-    const std::size_t n = count();
-    std::vector<double> curvature(n * n, 0);
+  void correct(const std::vector<double>& place, const std::vector<double>& gradient) {
+    before_ = {matrix_, place_, gradient_};
+    constexpr double kLeastFall = 1e-3;  // of what was expected: else the curvature would not stay positive
+    const std::size_t n = place.size();
+    std::vector<double> step(n), fall(n), predicted(n, 0);
+    double along = 0, expected = 0;
     for (std::size_t i = 0; i < n; ++i) {
-      const std::size_t before_shared = n - shared_.size(), squares = means_ + criteria();
-      const bool rate = i >= before_shared && at_least_zero(shared_[i - before_shared]);
-      const bool square = i >= squares && i < squares + spreads();
-      curvature[i * (n + 1)] = std::max((square || rate ? kOfOneSquare : kOfOne) * static_cast<double>(participants),
-                                        std::abs(slope[i]) / (rate     ? kLongestOfRates
-                                                              : square ? kLongestOfSquares
-                                                                       : kLongest));
+      step[i] = place[i] - place_[i];
+      fall[i] = gradient_[i] - gradient[i];
+      along += step[i] * fall[i];
     }
-    return curvature;
-  }
-
-  NewtonBox box(const std::vector<double>& x) const {
-    NewtonBox box;
-    const auto add = [&](double low, double high) {
-      const double at = x[box.lower.size()];
-      box.lower.push_back(std::min(at, low));
-      box.upper.push_back(std::max(at, high));
-    };
-    for (std::size_t i = 0; i < means_; ++i) {
-      double low = kInf, high = -kInf;  // any of what is bound together lies in the range: beyond it all are as likely
-      for (std::size_t c = 0; c < conditions_; ++c)
-        if (form_.of[c] == static_cast<int>(i)) {
-          low = std::min(low, form_.lowest - form_.offset[c]);
-          high = std::max(high, form_.highest - form_.offset[c]);
-        }
-      add(low, high);
-    }
-    for (std::size_t c = 0; c < criteria(); ++c) add(form_.lowest_criterion / unit_, form_.highest_criterion / unit_);
-    for (std::size_t i = 0; i < spreads(); ++i) {
-      const double largest = form_.tw && i + 1 == spreads() ? kLargestSpreadOfCriteria : kLargestSpread;
-      add(kSmallestSpread * kSmallestSpread, largest * largest);
-    }
-    if (form_.rho) add(-kLargestCorrelation, kLargestCorrelation);
-    for (const SharedParameter which : shared_) {
-      const SharedLimits limits = limits_of(which, unit_);
-      add(limits.low / unit_of(which), limits.high / unit_of(which));
-    }
-    return box;
-  }
-
-  // A spread that the search left as small as it may be is 0.
-  HierarchicalPlace settled(HierarchicalPlace place) const {
-    constexpr double kAtBound = 1.001 * kSmallestSpread;
-    for (const auto& [spread, unit] : free_spreads(form_, place, unit_))
-      if (*spread / unit < kAtBound) *spread = 0;
-    return place;
+    for (std::size_t i = 0; i < n; ++i)
+      for (std::size_t j = 0; j < n; ++j) predicted[i] += matrix_[i * n + j] * step[j];
+    for (std::size_t i = 0; i < n; ++i) expected += step[i] * predicted[i];
+    place_ = place;
+    gradient_ = gradient;
+    if (!(expected > 0) || along < kLeastFall * expected) return;
+    for (std::size_t i = 0; i < n; ++i)
+      for (std::size_t j = 0; j < n; ++j)
+        matrix_[i * n + j] += fall[i] * fall[j] / along - predicted[i] * predicted[j] / expected;
   }
 
  private:
-  bool holds_criterion(std::size_t condition) const noexcept {
-    return condition < form_.held_criteria.size() && form_.held_criteria[condition];
-  }
-  std::size_t spreads() const { return free_spreads(form_, start_.place, unit_).size(); }
-  double unit_of(SharedParameter which) const noexcept { return of_criterion(which) ? unit_ : 1; }
-  static double of(const OfSharedParameters& numbers, SharedParameter which) noexcept {
-    return numbers[static_cast<std::size_t>(which)];
-  }
-  std::size_t criteria() const noexcept {
-    return conditions_ -
-           static_cast<std::size_t>(std::count(form_.held_criteria.begin(), form_.held_criteria.end(), true));
-  }
-
-  const HierarchicalForm& form_;
-  SearchedPlace start_;
-  double unit_;
-  std::size_t conditions_, means_ = 0;
-  std::vector<SharedParameter> shared_;
+  std::vector<double> matrix_, place_, gradient_;
+  std::tuple<std::vector<double>, std::vector<double>, std::vector<double>> before_;  // the same before the last one
 };
 
 struct OutOfWork {};
@@ -176,9 +74,15 @@ struct OutOfWork {};
 // What maximise_in_box asks for. Every step corrects the curvature.
 class SearchedLikelihood {
  public:
-  SearchedLikelihood(HierarchicalLikelihood& likelihood, const HierarchicalForm& form, const Variables& variables,
-                     const std::vector<double>& curvature, double most_work = kInf)
-      : likelihood_(likelihood), form_(form), variables_(variables), first_(curvature), most_work_(most_work) {}
+  SearchedLikelihood(HierarchicalLikelihood& likelihood, const HierarchicalForm& form,
+                     const SearchedVariables& variables, const std::vector<double>& curvature, double most_work = kInf,
+                     const KnownMaximum* known = nullptr)
+      : likelihood_(likelihood),
+        form_(form),
+        variables_(variables),
+        first_(curvature),
+        most_work_(most_work),
+        known_(known) {}
 
   double value(const std::vector<double>& x) const { return look_at(x).log_likelihood; }
 
@@ -193,16 +97,34 @@ class SearchedLikelihood {
     const HierarchicalLikelihood::Value& value = look_at(x);
     at.value = value.log_likelihood;
     at.gradient = variables_.slope(value.slope, value.by_shared, variables_.to(x).place);
-    const bool known = first_.size() == x.size() * x.size();
-    if (!curvature_.empty())
+    if (!curvature_.empty()) {
       curvature_.correct(x, at.gradient);
-    else
-      curvature_.begin(known ? first_ : variables_.first_curvature(at.gradient, likelihood_.participants()), x,
-                       at.gradient);
+    } else {
+      std::vector<double> known;
+      if (!first_.empty()) known = variables_.of_numbers(first_);
+      if (known.empty()) known = variables_.first_curvature(at.gradient, likelihood_);
+      curvature_.begin(std::move(known), x, at.gradient);
+    }
     at.curvature = at.expected = curvature_.matrix();
   }
 
   void turned_down() const { curvature_.undo(); }
+
+  // Whether ln L lies where the parabola about the known maximum does, and near it: the search leads there.
+  bool is_known(const std::vector<double>& x, double value) const {
+    constexpr double kNear = 0.5, kLike = 0.2;  // of ln L, and of its fall
+    if (known_ == nullptr || known_->curvature.empty()) return false;
+    const double fall = known_->log_likelihood - value;
+    if (!(fall < kNear)) return false;
+    double expected = 0;
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      const double step = x[i] - known_->place[i];
+      expected -= known_->slope[i] * step;
+      for (std::size_t j = 0; j < x.size(); ++j)
+        expected += known_->curvature[i * x.size() + j] * step * (x[j] - known_->place[j]) / 2;
+    }
+    return std::abs(fall - expected) < kLike * std::abs(expected);
+  }
 
   const std::vector<double>& curvature() const { return curvature_.matrix(); }
   // Of the places that were looked at.
@@ -231,9 +153,10 @@ class SearchedLikelihood {
 
   HierarchicalLikelihood& likelihood_;
   const HierarchicalForm& form_;
-  const Variables& variables_;
+  const SearchedVariables& variables_;
   const std::vector<double>& first_;
   double most_work_;
+  const KnownMaximum* known_;
   mutable CorrectedCurvature curvature_;
   mutable std::vector<double> best_;
   mutable double best_value_ = -kInf;
@@ -264,6 +187,7 @@ class PooledAnswers {
       at.gradient[0] += slopes.s;
       at.gradient[1] += slopes.k * unit_;
     }
+    constexpr double kRidge = 1e-3;  // least curvature
     const CellInformation told = expected_information(model_, design_, x[0], x[1] * unit_, shared_);
     at.curvature =
         at.expected = {told.s + kRidge, told.both * unit_, told.both * unit_, told.k * unit_ * unit_ + kRidge};
@@ -313,7 +237,7 @@ HierarchicalForm HierarchicalForm::with_difference(std::size_t a, std::size_t b,
 }
 
 HierarchicalPlace moved(const HierarchicalForm& form, const HierarchicalPlace& place) {
-  const Variables variables(form, {place, {}}, 1);
+  const SearchedVariables variables(form, {place, {}}, 1);
   HierarchicalPlace out = place;
   out.mu = variables.to(variables.start()).place.mu;
   return out;
@@ -321,9 +245,10 @@ HierarchicalPlace moved(const HierarchicalForm& form, const HierarchicalPlace& p
 
 HierarchicalMaximum maximise(HierarchicalLikelihood& likelihood, const HierarchicalForm& form,
                              const HierarchicalMaximum& from, double criterion_unit, double negligible,
-                             double most_work, double wanted) {
-  const Variables variables(form, {from.place, from.shared}, criterion_unit);
-  const SearchedLikelihood function(likelihood, form, variables, from.curvature, most_work);
+                             double most_work, const KnownMaximum* known) {
+  const SearchedVariables variables(form, {from.place, from.shared}, criterion_unit);
+  const SearchedLikelihood function(likelihood, form, variables, from.curvature, most_work, known);
+  const double wanted = known == nullptr ? -kInf : known->log_likelihood + kPromising;
   const std::vector<double> x = variables.start();
   NewtonResult found;
   try {
@@ -350,7 +275,7 @@ HierarchicalMaximum maximise(HierarchicalLikelihood& likelihood, const Hierarchi
   maximum.slope_by_shared = value.by_shared;
   maximum.log_likelihood = value.log_likelihood;
   maximum.converged = found.converged && std::isfinite(value.log_likelihood);
-  maximum.curvature = function.curvature();
+  maximum.curvature = variables.by_number(function.curvature());
   return maximum;
 }
 
@@ -365,25 +290,52 @@ HierarchicalMaximum HierarchicalSearch::climbed(const HierarchicalForm& form, co
   return maximise(likelihood_, form, from, unit_, negligible, most_work - rough_.work());
 }
 
-bool HierarchicalSearch::improve(const HierarchicalForm& form, HierarchicalMaximum start, HierarchicalMaximum& best,
-                                 double most_work) {
-  constexpr double kRoughlyNegligible = 1e-3, kPromising = 1e-4;  // of ln L
-  start.curvature.clear();
-  rough_.set_shared(best.shared);
-  const double known = rough_.at(best.place).log_likelihood;
-  const HierarchicalMaximum found =
-      maximise(rough_, form, start, unit_, kRoughlyNegligible, most_work - likelihood_.work(), known + kPromising);
-  if (std::isfinite(known) && !(found.log_likelihood > known + kPromising)) return false;
-  HierarchicalMaximum better = climbed(form, found, most_work);
-  if (!(better.log_likelihood > best.log_likelihood + kNegligible) && std::isfinite(best.log_likelihood)) return false;
-  best = std::move(better);
-  return true;
+KnownMaximum HierarchicalSearch::on_rough_nodes(const HierarchicalForm& form, const HierarchicalMaximum& best) {
+  const SearchedVariables variables(form, {best.place, best.shared}, unit_);
+  KnownMaximum known{.place = variables.start()};
+  const SearchedPlace there = variables.to(known.place);
+  rough_.set_shared(there.shared);
+  const HierarchicalLikelihood::Value value = rough_.at(there.place, form.shared);
+  known.log_likelihood = value.log_likelihood;
+  known.slope = variables.slope(value.slope, value.by_shared, there.place);
+  if (!best.curvature.empty()) known.curvature = variables.of_numbers(best.curvature);
+  return known;
+}
+
+bool HierarchicalSearch::improve(const HierarchicalForm& form, const std::vector<HierarchicalMaximum>& starts,
+                                 HierarchicalMaximum& best, double most_work) {
+  constexpr double kRoughlyNegligible = 1e-3;  // of ln L
+  bool improved = false;
+  KnownMaximum known = on_rough_nodes(form, best);
+  for (HierarchicalMaximum start : starts) {
+    start.curvature.clear();
+    const HierarchicalMaximum found =
+        maximise(rough_, form, start, unit_, kRoughlyNegligible, most_work - likelihood_.work(), &known);
+    if (std::isfinite(known.log_likelihood) && !(found.log_likelihood > known.log_likelihood + kPromising)) continue;
+    HierarchicalMaximum better = climbed(form, found, most_work);
+    if (!(better.log_likelihood > best.log_likelihood + kNegligible) && std::isfinite(best.log_likelihood)) continue;
+    best = std::move(better);
+    known = on_rough_nodes(form, best);
+    improved = true;
+  }
+  return improved;
+}
+
+double standard_error(const HierarchicalForm& form, const HierarchicalMaximum& maximum,
+                      const HierarchicalMaximum& beside, double larger, double criterion_unit) {
+  const SearchedVariables variables(form, {maximum.place, maximum.shared}, criterion_unit);
+  if (maximum.curvature.empty()) return kNaN;
+  const auto [slope, along] = variables.fall_towards({beside.place, beside.shared}, maximum.curvature);
+  std::vector<double> curvature = variables.of_numbers(maximum.curvature), step = slope;
+  if (curvature.empty() || !solve_positive_definite(curvature, step)) return kNaN;
+  const double fall = along - std::inner_product(slope.begin(), slope.end(), step.begin(), 0.0);
+  return fall > 0 ? larger / std::sqrt(fall) : kNaN;
 }
 
 std::vector<double> covariance_of_means(HierarchicalLikelihood& likelihood, const HierarchicalForm& form,
                                         const HierarchicalMaximum& maximum, double criterion_unit) {
   constexpr double kStep = 1e-2, kHeld = 1e12;  // times its curvature: what lies at the end of what it can be
-  const Variables variables(form, {maximum.place, maximum.shared}, criterion_unit);
+  const SearchedVariables variables(form, {maximum.place, maximum.shared}, criterion_unit);
   const SearchedLikelihood function(likelihood, form, variables, {});
   const std::vector<double> x = variables.start();
   const NewtonBox box = variables.box(x);
@@ -408,14 +360,12 @@ std::vector<double> covariance_of_means(HierarchicalLikelihood& likelihood, cons
   for (std::size_t i = 0; i < n; ++i)
     if ((x[i] <= box.lower[i] && here[i] <= 0) || (x[i] >= box.upper[i] && here[i] >= 0))
       information[i * (n + 1)] = std::max(kHeld, kHeld * information[i * (n + 1)]);
-  std::vector<double> covariance(means * means);
-  for (std::size_t i = 0; i < means; ++i) {
-    std::vector<double> factor = information, column(n, 0);
-    column[i] = 1;
-    if (!solve_positive_definite(factor, column)) return {};
-    std::copy_n(column.begin(), means, covariance.begin() + static_cast<std::ptrdiff_t>(i * means));
-  }
-  return covariance;
+  const std::vector<double> covariance = inverse_positive_definite(information, n);
+  std::vector<double> of_means;
+  for (std::size_t i = 0; i < means && !covariance.empty(); ++i)
+    of_means.insert(of_means.end(), covariance.begin() + static_cast<std::ptrdiff_t>(i * n),
+                    covariance.begin() + static_cast<std::ptrdiff_t>(i * n + means));
+  return of_means;
 }
 
 PooledMaximum pooled_maximum(std::span<const HierarchicalCell> cells, ResponseModel model,

@@ -50,8 +50,8 @@ struct HierarchicalMaximum {
   OfSharedParameters slope_by_shared{};  // by those that were free
   double log_likelihood = 0;
   bool converged = false;
-  // About minus the second derivatives of ln L by what was free, as the search came to know them: another search of the
-  // same form may begin with it.
+  // About minus the second derivatives of ln L, as the search came to know them: another search of the same form, or of one
+  // that holds or binds more, may begin with it.
   std::vector<double> curvature;
 };
 
@@ -67,13 +67,23 @@ inline constexpr double kNegligible = 1e-8;  // of ln L: differences below it ar
 inline constexpr double kLargestSpread = 2, kLargestSpreadOfCriteria = 2, kLargestCorrelation = 0.95;
 inline constexpr double kSmallestSpread = 1e-3;
 
+// A maximum that a search need not find again, in what it searches: the place, ln L, its slope and about minus its second
+// derivatives, or none.
+struct KnownMaximum {
+  std::vector<double> place;
+  double log_likelihood = 0;
+  std::vector<double> slope{}, curvature{};
+};
+
 // From one place, uphill. Spreads that are estimated begin at no less than a small one, and end at 0 where ln L rises
 // towards 0. criterion_unit: that of kappa and tw, 1 or a spread. negligible: differences of ln L below this are not told
-// apart. A search that promises no ln L as large as wanted is given up, and one ends, unconverged, where the likelihood's work() is above most_work. Leaves the likelihood with the
-// shared parameters of the maximum. Throws Stopped (numerics/stop_request.h).
+// apart. A search is given up where it promises no more than what is known, or comes to where ln L is the parabola about
+// that; one ends, unconverged, where the likelihood's work() is above most_work. Leaves the likelihood with the shared
+// parameters of the maximum. Throws Stopped (numerics/stop_request.h).
 HierarchicalMaximum maximise(HierarchicalLikelihood& likelihood, const HierarchicalForm& form,
                              const HierarchicalMaximum& from, double criterion_unit = 1,
-                             double negligible = kNegligible, double most_work = kInf, double wanted = -kInf);
+                             double negligible = kNegligible, double most_work = kInf,
+                             const KnownMaximum* known = nullptr);
 
 // A likelihood, and one of rougher nodes, which ranks starts: it errs by about 1e-4, and costs half.
 class HierarchicalSearch {
@@ -87,14 +97,21 @@ class HierarchicalSearch {
   // As maximise(), as far as work() goes.
   HierarchicalMaximum climbed(const HierarchicalForm& form, const HierarchicalMaximum& from, double most_work = kInf,
                               double negligible = kNegligible);
-  // Whether another start leads higher than the best that is known of this form, which it is then.
-  bool improve(const HierarchicalForm& form, HierarchicalMaximum start, HierarchicalMaximum& best,
+  // Whether other starts lead higher than the best that is known of this form, which it is then.
+  bool improve(const HierarchicalForm& form, const std::vector<HierarchicalMaximum>& starts, HierarchicalMaximum& best,
                double most_work = kInf);
 
  private:
+  KnownMaximum on_rough_nodes(const HierarchicalForm& form, const HierarchicalMaximum& best);
+
   HierarchicalLikelihood likelihood_, rough_;
   double unit_;
 };
+
+// About the standard error of a number at a maximum: of which the form holds it, and `beside` has it that much larger. Not a
+// number where the curvature there is not known.
+double standard_error(const HierarchicalForm& form, const HierarchicalMaximum& maximum,
+                      const HierarchicalMaximum& beside, double larger, double criterion_unit);
 
 // Of the free means of the form at a maximum, everything else unknown: by the observed information, differences of the
 // slopes of ln L. Rows by free mean; empty where it has no inverse.

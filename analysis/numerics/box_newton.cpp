@@ -30,6 +30,17 @@ bool solve_positive_definite(std::vector<double>& a, std::vector<double>& b) noe
   return true;
 }
 
+std::vector<double> inverse_positive_definite(const std::vector<double>& matrix, std::size_t n) {
+  std::vector<double> inverse;
+  for (std::size_t i = 0; i < n; ++i) {
+    std::vector<double> factor = matrix, column(n, 0);
+    column[i] = 1;
+    if (!solve_positive_definite(factor, column)) return {};
+    inverse.insert(inverse.end(), column.begin(), column.end());
+  }
+  return inverse;
+}
+
 namespace {
 
 // matrix restricted to the free variables, its diagonal grown by the factor 1 + damping.

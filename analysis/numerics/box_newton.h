@@ -38,6 +38,9 @@ struct NewtonResult {
 // x. False, with both spoilt, where a pivot falls below 1e-13 of its diagonal entry.
 bool solve_positive_definite(std::vector<double>& a, std::vector<double>& b) noexcept;
 
+// Of a symmetric matrix of n rows; empty where it is not positive definite.
+std::vector<double> inverse_positive_definite(const std::vector<double>& matrix, std::size_t n);
+
 // The step of one iteration: direction in the free variables, 0 in the held ones. False where there is none left.
 bool newton_direction(const NewtonDerivatives& at, const NewtonBox& box, const std::vector<double>& place,
                       std::vector<double>& direction);
@@ -47,7 +50,8 @@ bool newton_direction(const NewtonDerivatives& at, const NewtonBox& box, const s
 // must lie in the box and have a finite value. Thread-safe; converged where the next step promises a gain below
 // `negligible` (1e-18: the remaining step is below 1e-9 standard errors). Values may err by `error`: steps that seem to
 // lose less are taken. A search that after its first steps promises no more than `wanted`, even were its gain kMostGain
-// times what its steps promise, is given up.
+// times what its steps promise, is given up; and, where the function has is_known(place, value), one that comes to such a
+// place.
 template <typename Function>
 NewtonResult maximise_in_box(const Function& function, std::vector<double> start, const NewtonBox& box,
                              double wanted = -kInf, double negligible = 1e-18, double error = 0) {
@@ -81,6 +85,8 @@ NewtonResult maximise_in_box(const Function& function, std::vector<double> start
       return result;
     }
     if (result.steps >= kFirstSteps && at.value + kMostGain * ascent < wanted) return result;
+    if constexpr (requires { function.is_known(result.place, at.value); })
+      if (result.steps >= kFirstSteps && function.is_known(result.place, at.value)) return result;
     bool moved = false;
     double step = longest;
     for (int halving = 0; halving < kMostHalvings && !moved; ++halving) {

@@ -40,13 +40,16 @@ bool any_interval(const HierarchicalFit& fit, EndsStatus status) {
          std::any_of(fit.shared_estimates.begin(), fit.shared_estimates.end(), has);
 }
 
-std::string spreads_at_limit(const HierarchicalFit& fit) {
-  std::vector<std::string_view> names;
+std::string spreads_at_limit(const HierarchicalFit& fit, const std::vector<std::string>& conditions) {
+  std::vector<std::string> names;
   for (const auto& [name, status] : {std::pair{"between persons (tu)", fit.tu},
                                      {"between persons by condition (tv)", fit.tv},
                                      {"of the criterion or PSE (tw)", fit.tw},
                                      {"correlation (rho)", fit.rho}})
     if (status == SpreadStatus::at_limit) names.emplace_back(name);
+  for (std::size_t c = 0; c < fit.conditions.size(); ++c)
+    if (fit.conditions[c].tv_status == SpreadStatus::at_limit)
+      names.push_back(fmt::format("between persons in {} (tv)", conditions[c]));
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
@@ -81,7 +84,7 @@ std::vector<std::string> hierarchical_cautions(const HierarchicalFit& fit, const
   for (const auto& [status, meaning] : kEndsMeanings)
     if (any_interval(fit, status))
       out.push_back(fmt::format("interval {}: {}.", word_of(kEndsStatusWords, status), meaning));
-  if (const std::string names = spreads_at_limit(fit); !names.empty())
+  if (const std::string names = spreads_at_limit(fit, conditions); !names.empty())
     out.push_back(fmt::format(
         "at_limit ({}): the answers of so few people set no upper bound to it; it is the largest value that "
         "is searched. Measure more participants.",

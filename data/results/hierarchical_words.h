@@ -28,7 +28,9 @@ inline constexpr std::size_t kFewParticipants = 6;  // fewer get a caution
 
 // Whether the JNDs of all people in a condition are equal: no other spread was found, or could be.
 constexpr bool are_alike(SpreadStatus persons, SpreadStatus by_condition) noexcept {
-  const auto differ = [](SpreadStatus one) { return one == SpreadStatus::ok || one == SpreadStatus::at_limit; };
+  const auto differ = [](SpreadStatus one) {
+    return one == SpreadStatus::ok || one == SpreadStatus::at_limit || one == SpreadStatus::by_condition;
+  };
   return !differ(persons) && !differ(by_condition);
 }
 inline constexpr std::string_view kPeopleAlike =

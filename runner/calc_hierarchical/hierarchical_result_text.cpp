@@ -97,7 +97,7 @@ std::string spreads_text(const HierarchicalResult& result) {
   };
   add("persons (tu)", place.tu, "ln JND", fit.tu);
   if (fit.tv != SpreadStatus::by_condition) add("persons by condition (tv)", place.tv, "ln JND", fit.tv);
-  for (std::size_t c = 0; c < place.own_tv.size(); ++c)
+  for (std::size_t c = 0; c < place.own_tv.size() && fit.tv == SpreadStatus::by_condition; ++c)
     add(fmt::format("persons in {} (tv)", printable(result.answers.conditions[c])), fit.conditions[c].tv, "ln JND",
         fit.conditions[c].tv_status);
   add(result.choice() ? "PSE (tw)" : "criterion (tw)", place.tw, result.choice() ? "the level's unit" : "z", fit.tw);
@@ -149,7 +149,7 @@ std::string sureness_text(const HierarchicalResult& result) {
 
 // What the model takes for granted, as far as it still does.
 std::string assumptions_of(const HierarchicalResult& result) {
-  const bool own_tv = result.fit.tv == SpreadStatus::by_condition;
+  const bool own_tv = result.model.own_tv;
   if (!result.fit.shared.has(SharedParameter::drift_ln_s)) return hierarchical_assumptions(own_tv);
   return fmt::format(
       "Assumed: ln JND differs between people, and their criteria do, as normal distributions do, by {}, and both change "
