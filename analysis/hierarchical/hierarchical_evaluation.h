@@ -1,6 +1,7 @@
 // One evaluation of the marginal likelihood: the nodes of everybody's integrals, and the integral of the participant at work.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <vector>
 
@@ -8,6 +9,11 @@
 #include "analysis/lattice/lattice_sums.h"
 
 namespace jnd {
+
+// Of what has that standard deviation, once answers tell so much of it.
+inline double sd_with(double prior, double information) noexcept {
+  return prior / std::sqrt(1 + prior * prior * information);
+}
 
 struct HierarchicalLikelihood::Evaluation {
   Evaluation(const HierarchicalPlace& at, const NodeOffset& beginning)

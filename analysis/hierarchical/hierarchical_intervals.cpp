@@ -116,6 +116,12 @@ struct HierarchicalAnalysis::Task {
   double drop = kNaN;
   std::function<void(const Task&)> done{};
   std::optional<HierarchicalMaximum> better{};
+  double share = 0;  // of the work, that it had
+
+  bool finished() const {
+    const bool all = (std::isnan(tested) || !std::isnan(drop)) && ends->status != EndsStatus::out_of_work;
+    return share > 0 && (all || better.has_value());
+  }
 };
 
 std::vector<std::pair<std::size_t, std::size_t>> HierarchicalAnalysis::pairs() const {
@@ -181,6 +187,7 @@ std::vector<HierarchicalAnalysis::Task> HierarchicalAnalysis::tasks_of(const Hie
 
 // The test and the interval of one number; what they took.
 double HierarchicalAnalysis::complete_one(Task& task, double share) const {
+  task.share = share;
   HierarchicalSearch search = *search_;  // what it knows already is work that it need not do
   const double before = search.work();
   Profile profile(search, fit_.maximum, task.number);
@@ -193,48 +200,53 @@ double HierarchicalAnalysis::complete_one(Task& task, double share) const {
   return search.work() - before;
 }
 
-// As many of the numbers, the first first, as can be finished with the work that is left, and then with what these left.
-// Returns how much of it was taken.
+// As many of the numbers, the first first, as can be finished with the work that is left, and then with what these left;
+// and those that took more than their share once more with a larger one. Returns how much was taken.
 double HierarchicalAnalysis::complete_all(std::vector<Task>& tasks, double left, int threads) {
   const double before = search_->work();
   search_->likelihood().set_shared(fit_.maximum.shared);
   search_->likelihood().at(fit_.maximum.place, form_.shared);
   const double of_number = kEvaluationsOfNumber * (search_->work() - before);
   double spent = 0;  // whole numbers: in whatever order
-  for (std::size_t first = 0, last = 0; first < tasks.size() && left - spent > of_number; first = last) {
-    last = std::min(tasks.size(), first + static_cast<std::size_t>((left - spent) / of_number));
-    const double share = (left - spent) / static_cast<double>(last - first);
-    std::atomic<std::size_t> next{first};
-    int done = static_cast<int>(first);
+  int done = 0;
+  std::vector<Task*> waiting;
+  for (Task& task : tasks) waiting.push_back(&task);
+  while (!waiting.empty() && left - spent > of_number) {
+    const std::size_t now = std::min(waiting.size(), static_cast<std::size_t>((left - spent) / of_number));
+    const double share = (left - spent) / static_cast<double>(now);
+    std::atomic<std::size_t> next{0};
     std::mutex mutex;
     std::exception_ptr failure;
     const auto work = [&] {
       try {
-        for (std::size_t i = next++; i < last; i = next++) {
-          const double took = complete_one(tasks[i], share);
+        for (std::size_t i = next++; i < now; i = next++) {
+          const double took = complete_one(*waiting[i], share);
           const std::lock_guard lock(mutex);
           spent += took;
-          ++done;
+          done += waiting[i]->finished() ? 1 : 0;
           if (work_progress()) work_progress()(done, static_cast<int>(tasks.size()));
         }
       } catch (...) {
         const std::lock_guard lock(mutex);
         if (!failure) failure = std::current_exception();
-        next = last;
+        next = now;
       }
     };
     {
       std::vector<std::jthread> workers;
-      for (int i = 1; i < std::min(threads, static_cast<int>(last - first)); ++i) workers.emplace_back(work);
+      for (int i = 1; i < std::min(threads, static_cast<int>(now)); ++i) workers.emplace_back(work);
       work();
     }
     if (failure) std::rethrow_exception(failure);
+    std::rotate(waiting.begin(), waiting.begin() + static_cast<std::ptrdiff_t>(now), waiting.end());
+    std::erase_if(waiting, [](const Task* one) { return one->finished(); });
+    if (!waiting.empty() && 2 * waiting.front()->share > (left - spent) / static_cast<double>(waiting.size())) break;
   }
   return spent;
 }
 
 const HierarchicalFit& HierarchicalAnalysis::complete(const HierarchicalWish& wish, int threads) {
-  double left = kMostOfAll - spent_ - search_->work();
+  double left = std::max(0.0, kMostOfAll - spent_ - search_->work());
   wished_.intervals = wished_.intervals || wish.intervals;
   wished_.shared = wished_.shared || wish.shared;
   if (!wish.pairs.empty()) wished_.pairs = wish.pairs;

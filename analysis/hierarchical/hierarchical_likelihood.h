@@ -43,6 +43,13 @@ struct HierarchicalCell {
   AnswerTally counts() const noexcept { return {positive, negative, sure_positive, sure_negative}; }
 };
 
+// Levels so near each other that nobody could tell count as one: what is computed grows with the number of different ones.
+// Of a condition with more than so many, those within 5 % of each other (below a tenth of the largest one within 1 % of
+// that) count at the mean of their trials. No difference is one with none.
+inline constexpr std::size_t kMostLevels = 64;
+// Whether levels were pooled. Of the same level, and half, a person's answers in a condition stand in one cell then.
+bool pool_levels(std::vector<HierarchicalCell>& cells);
+
 // One value of every parameter.
 struct HierarchicalPlace {
   std::vector<double> mu, kappa;  // of each condition

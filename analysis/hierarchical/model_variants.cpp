@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "analysis/numerics/tail_probabilities.h"
+
 namespace jnd {
 
 namespace {
@@ -90,6 +92,24 @@ std::vector<ModelVariant> model_variants(std::span<const HierarchicalCell> cells
     variants.push_back(variant_of(VariantKind::sureness, std::move(graded), model,
                                   SharedForm().with(SharedParameter::sure_below).with(SharedParameter::sure_above)));
   return variants;
+}
+
+SharedEstimate lapses_beside(std::span<const HierarchicalCell> cells, const HierarchicalModel& model,
+                             const HierarchicalPlace& near) {
+  HierarchicalModel with = model;
+  with.estimated = with.estimated.with(SharedParameter::lapse);
+  SharedEstimate found{.parameter = SharedParameter::lapse, .status = SharedStatus::not_identified, .ends = {}};
+  if (model.estimated.has(SharedParameter::lapse) || !with.estimated.identified(cells).has(SharedParameter::lapse))
+    return found;
+  const auto fit_of = [&](const HierarchicalModel& of) {
+    return HierarchicalAnalysis({cells.begin(), cells.end()}, of, SearchEffort::drawn, &near).fit();
+  };
+  const HierarchicalFit more = fit_of(with), held = fit_of(model);
+  found.status = SharedStatus::ok;
+  found.value = more.maximum.shared.lapse;
+  found.lr = std::max(0.0, 2 * (more.maximum.log_likelihood - held.maximum.log_likelihood));
+  found.p = found.value > model.shared.lapse ? chi2_upper(found.lr, 1) / 2 : 1;
+  return found;
 }
 
 }  // namespace jnd

@@ -43,4 +43,9 @@ std::vector<HierarchicalCell> without_halves_and_sureness(std::span<const Hierar
 // criteria do not differ between people (a PSE that is taken as known), and sureness where no answer was a sure one.
 std::vector<ModelVariant> model_variants(std::span<const HierarchicalCell> cells, const HierarchicalModel& model);
 
+// Whether there are more lapses than the model holds: the rate with its test, from near the model's maximum and roughly
+// (SearchEffort::drawn), without an interval. Not identified also where the model estimates it.
+SharedEstimate lapses_beside(std::span<const HierarchicalCell> cells, const HierarchicalModel& model,
+                             const HierarchicalPlace& near);
+
 }  // namespace jnd

@@ -1,10 +1,10 @@
-#include "analysis/hierarchical/pooled_levels.h"
-
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <set>
 #include <tuple>
+
+#include "analysis/hierarchical/hierarchical_likelihood.h"
 
 namespace jnd {
 

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "analysis/hierarchical/pooled_levels.h"
+#include "analysis/hierarchical/hierarchical_likelihood.h"
 
 namespace jnd {
 
@@ -64,6 +64,15 @@ std::string status_with_interval(std::string_view status, EndsStatus interval) {
   if (interval == EndsStatus::ok || interval == EndsStatus::not_computed) return std::string(status);
   return fmt::format("{}{}interval {}", status == "ok" ? "" : status, status == "ok" ? "" : ", ",
                      word_of(kEndsStatusWords, interval));
+}
+
+std::string lapse_caution(const SharedEstimate& lapses) {
+  constexpr double kSignificant = 0.05;
+  if (!(lapses.p < kSignificant)) return "";
+  return fmt::format(
+      "Some answers are guesses: a share of {:.1f} % fits them better (p = {:.2g}). Unknown lapses of 5 % "
+      "make a JND 8 % too large.",
+      100 * lapses.value, lapses.p);
 }
 
 std::vector<std::string> hierarchical_cautions(const HierarchicalFit& fit, const std::vector<std::string>& conditions,

@@ -10,7 +10,7 @@
 
 namespace jnd {
 
-// How many different levels there were, and how many after pooling (pooled_levels.h); 0 if nothing was pooled.
+// How many different levels there were, and how many after pooling (pool_levels); 0 if nothing was pooled.
 struct PooledLevels {
   std::size_t from = 0, to = 0;
   explicit operator bool() const noexcept { return from > 0; }
@@ -44,6 +44,9 @@ inline constexpr std::string_view kPersonRange =
 
 // "no_sensitivity, interval out_of_work": what the status column of a table says of an estimate and its interval.
 std::string status_with_interval(std::string_view status, EndsStatus interval);
+
+// Where the test of it is significant; else empty.
+std::string lapse_caution(const SharedEstimate& lapses);
 
 // One sentence for each thing that limits the numbers of a fit, the gravest first. conditions: names by their place.
 std::vector<std::string> hierarchical_cautions(const HierarchicalFit& fit, const std::vector<std::string>& conditions,

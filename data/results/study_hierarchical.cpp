@@ -221,12 +221,9 @@ void StudyFit::add_variants(const std::vector<HierarchicalCell>& cells, const Hi
     for (const HierarchicalCondition& row : model_.conditions)
       one.conditions.push_back({.condition = row.condition, .series = row.series, .participants = row.participants});
     set_conditions(one.conditions, found.conditions);
-    constexpr double kSignificant = 0.05;
-    if (found.kind == VariantKind::lapse && one.shared.front().p < kSignificant)
-      model_.cautions.push_back(fmt::format(
-          "Some answers are guesses: a share of {:.1f} % fits them better (p = {:.2g}). Unknown lapses of 5 % "
-          "make a JND 8 % too large.",
-          100 * one.shared.front().value, one.shared.front().p));
+    if (found.kind != VariantKind::lapse) continue;
+    if (std::string caution = lapse_caution(one.shared.front()); !caution.empty())
+      model_.cautions.push_back(std::move(caution));
   }
 }
 

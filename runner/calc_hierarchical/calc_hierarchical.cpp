@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "analysis/hierarchical/model_variants.h"
 #include "runner/calc/calc.h"
 #include "runner/calc/trials_input.h"
 #include "runner/calc_hierarchical/hierarchical_result.h"
@@ -85,6 +86,7 @@ int hierarchical(const HierarchicalCommand& options) {
     plain.estimated = of_sureness;
     result.without = HierarchicalAnalysis(result.answers.cells, plain).add_intervals();
   }
+  result.lapses = lapses_beside(analysis.cells(), result.model, result.fit.maximum.place);
   if (options.people || options.input.json) result.people = analysis.people();
   if (options.check > 0) {
     HierarchicalModel found = result.model;

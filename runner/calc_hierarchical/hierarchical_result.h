@@ -26,7 +26,8 @@ struct HierarchicalResult {
   std::vector<SharedEstimate> sureness;  // its criteria, below and above; empty where it was not told
   std::vector<double> narrower;          // by condition: see narrower_by()
   std::vector<bool> falling;             // by condition: positive answers become rarer as the level grows
-  std::vector<std::string> cautions() const { return hierarchical_cautions(fit, answers.conditions, answers.pooled); }
+  SharedEstimate lapses;                 // more than the model holds: lapses_beside()
+  std::vector<std::string> cautions() const;
 
   bool choice() const noexcept { return model.response == ResponseModel::choice; }
   double origin() const noexcept { return choice() ? answers.standard.value_or(0) : 0; }  // of the levels

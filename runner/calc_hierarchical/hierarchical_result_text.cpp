@@ -196,6 +196,12 @@ std::string meanings_text(const HierarchicalResult& result) {
 
 }  // namespace
 
+std::vector<std::string> HierarchicalResult::cautions() const {
+  std::vector<std::string> cautions = hierarchical_cautions(fit, answers.conditions, answers.pooled);
+  if (std::string caution = lapse_caution(lapses); !caution.empty()) cautions.push_back(std::move(caution));
+  return cautions;
+}
+
 std::string hierarchical_text(const HierarchicalResult& result) {
   const HierarchicalFit& fit = result.fit;
   const char* const what =

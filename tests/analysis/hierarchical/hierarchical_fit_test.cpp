@@ -64,6 +64,17 @@ TEST_CASE("people may differ more in one condition than in another", "[hierarchi
   const ConditionDifference& ratio = fit.differences.front();
   CHECK((ratio.p < 0.05) == (ratio.ends.low > 0 || ratio.ends.high < 0));
   CHECK(own.people().front().sd < own.people()[1].sd);
+
+  // Everybody answers as the others do: no spread of any condition is more than 0.
+  std::vector<HierarchicalCell> same;
+  for (int p = 0; p < 6; ++p)
+    for (int c = 0; c < 2; ++c)
+      for (const double level : {0.0, 200.0, 300.0, 400.0})
+        same.push_back({p, c, level, std::round(level / 40), 12 - std::round(level / 40)});
+  const HierarchicalFit alike = HierarchicalAnalysis(same, {.own_tv = true}).fit();
+  CHECK(alike.tv == SpreadStatus::zero);
+  CHECK(alike.maximum.place.tv == 0);
+  for (const ConditionMean& one : alike.conditions) CHECK((one.tv == 0 && one.tv_status == SpreadStatus::zero));
 }
 
 // 500 N/m against seven others, the published 2IFC case's design: six people, two conditions, eight trials a level.

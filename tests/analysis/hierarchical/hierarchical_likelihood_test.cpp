@@ -124,6 +124,34 @@ TEST_CASE("derivatives are those of the value", "[hierarchical]") {
     CHECK(std::abs(by([c](HierarchicalPlace& at) -> double& { return at.own_tv[c]; }) - by_own_tv[c]) < 1e-4);
 }
 
+TEST_CASE("who answered little beside who answered much takes few nodes", "[hierarchical]") {
+  std::vector<HierarchicalCell> much, little;
+  for (const auto& [level, positive] : {std::pair{0.0, 1059.0}, {200.0, 3515.0}, {300.0, 4425.0}, {400.0, 4845.0}}) {
+    much.push_back({0, 0, level, positive, 5000 - positive});
+    little.push_back({0, 0, level, 3, 3});
+  }
+  std::vector<HierarchicalCell> both = much;
+  for (HierarchicalCell cell : little) {
+    cell.participant = 1;
+    both.push_back(cell);
+  }
+  HierarchicalPlace place;
+  place.mu = {std::log(150)};
+  place.kappa = {0.8};
+  place.tu = 1;
+  place.tv = 0.5;
+  place.tw = 1;
+  double apart = 0, work = 0;
+  for (const auto& cells : {much, little}) {
+    HierarchicalLikelihood alone(cells, ResponseModel::yes_no, {});
+    apart += alone.at(place).log_likelihood;
+    work += alone.work();
+  }
+  HierarchicalLikelihood together(both, ResponseModel::yes_no, {});
+  CHECK(together.at(place).log_likelihood == Approx(apart).margin(1e-6));
+  CHECK(together.work() < 6 * work);
+}
+
 TEST_CASE("people whose answers say nothing, or all the same, have a likelihood too", "[hierarchical]") {
   std::vector<HierarchicalCell> cells = published_study(4, 1);
   const double before = HierarchicalLikelihood(cells, ResponseModel::yes_no, {}).at(published_truth()).log_likelihood;

@@ -1,8 +1,7 @@
-#include "analysis/hierarchical/pooled_levels.h"
-
 #include <cmath>
 #include <set>
 
+#include "analysis/hierarchical/hierarchical_likelihood.h"
 #include "tests/catch.h"
 
 namespace jnd {

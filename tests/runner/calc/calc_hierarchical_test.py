@@ -242,6 +242,19 @@ class CalcHierarchical(program.Case):
         self.assertIn("3 participants are few: in simulated studies of 3 people, 95.3 %", few)
         self.assertNotIn("are few", more)
 
+    def test_likely_lapses_get_a_caution(self):
+        sure = [(0, 3), (100, 8), (200, 25), (300, 37), (400, 40)]
+        often_wrong = [(0, 6), (100, 16), (200, 32), (300, 34), (400, 34)]
+        found = []
+        for answers in (sure, often_wrong):
+            lines = ["participant,condition,delta,n,k"] + [f"P{p},S,{level},40,{said}" for p in range(6)
+                                                                   for level, said in answers]
+            found.append("\n".join(self.json_of(lines, "--task", "same-different")["cautions"]))
+            self.assertNotIn("are guesses", "\n".join(self.json_of(lines, "--task", "same-different", "--lapse",
+                                                                   "shared")["cautions"]))
+        self.assertNotIn("are guesses", found[0])
+        self.assertRegex(found[1], r"Some answers are guesses: a share of [12]\d\.\d % fits them better \(p = ")
+
     def test_the_drawn_studies_are_the_seeds(self):
         rows = [row for row in REFERENCE["same_different"][0]["input"]["rows"] if row[0] <= 4]
         drawn = [self.json_of(same_different_lines(rows), "--task", "same-different", "--bootstrap", "15", "--threads",

@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "data/results/hierarchical_words.h"
 #include "runner/results/result_table_parts.h"
 #include "runner/results/result_tables.h"
 #include "tests/catch.h"
@@ -107,6 +108,14 @@ TEST_CASE("what limits the numbers of the hierarchical model is said beside them
   model.ratios[0].ci_status = EndsStatus::not_converged;
   model.persons = {SpreadStatus::at_limit, 2};
   CHECK_FALSE(model.alike());
+  CHECK_FALSE(are_alike(SpreadStatus::zero, SpreadStatus::by_condition));
+  CHECK(are_alike(SpreadStatus::zero, SpreadStatus::not_asked));
+  HierarchicalFit fit;
+  fit.conditions.resize(2);
+  fit.conditions[1].tv_status = SpreadStatus::at_limit;
+  const std::vector<std::string> said = hierarchical_cautions(fit, {"PV", "S"}, {});
+  CHECK(std::any_of(said.begin(), said.end(),
+                    [](const std::string& one) { return one.starts_with("at_limit (between persons in S (tv))"); }));
   const ResultTable group = hierarchical_table(results, protocol);
   CHECK(group.rows[0].back() == "interval out_of_work");
   CHECK(group.rows[1].back() == "one_answer");
