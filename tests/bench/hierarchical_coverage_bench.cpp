@@ -1,5 +1,5 @@
 // Coverage of the hierarchical model's profile intervals, and size of its test of a ratio: with few people, with large
-// spreads, and with spreads that differ between conditions.
+// spreads, and with spreads that differ between conditions: with one tv in the model, and with one of each condition's own.
 //
 //   hierarchical_coverage_bench [STUDIES [THREADS]]    400 studies of either kind per row, 2 threads
 //
@@ -39,6 +39,7 @@ struct Row {
   int people;
   double tu;
   std::array<double, 2> tv;  // by condition
+  bool own_tv;               // in the model
   int studies = 0;
   int without_jnd = 0;                 // studies with a condition without a JND: none of their intervals is counted
   int without_test = 0;                // studies of equal JNDs with a condition that is left out of the model
@@ -50,9 +51,9 @@ struct Row {
 
   void add(std::uint64_t study, std::mutex& mutex) {
     const std::array truth = {std::log(208.5), std::log(283.5), std::log(208.5 / 283.5)};
-    HierarchicalAnalysis analysis(drawn({208.5, 283.5}, kSeed, study), {});
+    HierarchicalAnalysis analysis(drawn({208.5, 283.5}, kSeed, study), {.own_tv = own_tv});
     const HierarchicalFit& fit = analysis.complete({.intervals = true, .pairs = {{0, 1}}});
-    HierarchicalAnalysis equal(drawn({283.5, 283.5}, kEqualSeed, study), {});
+    HierarchicalAnalysis equal(drawn({283.5, 283.5}, kEqualSeed, study), {.own_tv = own_tv});
     const double drop = equal.drop_of_difference(0, 1, 0);
     const std::array ends = {fit.conditions[0].ends, fit.conditions[1].ends, fit.differences[0].ends};
     const bool found = fit.maximum.converged && !std::isnan(fit.differences[0].difference);
@@ -94,7 +95,8 @@ void print_table(const std::vector<Row>& rows) {
   for (int i = 0; i < 13; ++i) fmt::print("---:|");
   for (const Row& row : rows)
     fmt::print("\n| {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} |", row.people, row.tu,
-               row.tv[0] == row.tv[1] ? fmt::format("{}", row.tv[0]) : fmt::format("{}, {}", row.tv[0], row.tv[1]),
+               row.tv[0] == row.tv[1] ? fmt::format("{}", row.tv[0])
+                                      : fmt::format("{}, {}{}", row.tv[0], row.tv[1], row.own_tv ? " (own)" : ""),
                percent(row.both, row.both.mean()), percent(row.jnds[0], row.jnds[0].rate()),
                percent(row.jnds[1], row.jnds[1].rate()), percent(row.ratio, row.ratio.rate()),
                percent(row.rejected, row.rejected.rate()), row.studies, row.without_jnd, row.open_ended.of,
@@ -115,7 +117,12 @@ int main(int count, char** arguments) {
   std::signal(SIGTERM, stop);
   std::vector<Row> rows;
   for (const auto& [tu, first, second] : kSpreads)
-    for (const int people : {3, 6, 12}) rows.push_back({rows.size(), people, tu, {first, second}});
+    for (const int people : {3, 6, 12}) rows.push_back({rows.size(), people, tu, {first, second}, false});
+  for (std::size_t i = 0; i < 3; ++i) {  // the same studies as the last three
+    Row row = rows[rows.size() - 3];
+    row.own_tv = true;
+    rows.push_back(row);
+  }
   // Rows take turns, so that what is interrupted has as many studies of each.
   const std::size_t steps = static_cast<std::size_t>(studies) * rows.size();
   std::atomic<std::size_t> next{0}, done{0};
