@@ -190,7 +190,8 @@ void HierarchicalAnalysis::ask_spreads(const HierarchicalForm& form, Hierarchica
 }
 
 // Of a form, from a place near its largest likelihood or not so near.
-HierarchicalMaximum HierarchicalAnalysis::largest(const HierarchicalForm& form, HierarchicalMaximum first, bool many) {
+HierarchicalMaximum HierarchicalAnalysis::largest(const HierarchicalForm& form, const HierarchicalMaximum& first,
+                                                  bool many) {
   HierarchicalMaximum best = climbed(form, first);
   if (effort_ == SearchEffort::drawn) return best;
   std::vector<HierarchicalMaximum> starts = with_other_spreads(form, first, range_.criterion_unit);

@@ -202,7 +202,7 @@ class HierarchicalAnalysis {
   void search(const HierarchicalPlace* near);
   HierarchicalMaximum climbed(const HierarchicalForm& form, const HierarchicalMaximum& from);
   HierarchicalMaximum first_place(const HierarchicalPlace* near) const;
-  HierarchicalMaximum largest(const HierarchicalForm& form, HierarchicalMaximum first, bool many);
+  HierarchicalMaximum largest(const HierarchicalForm& form, const HierarchicalMaximum& first, bool many);
   void ask_spreads(const HierarchicalForm& form, HierarchicalMaximum& best);
   void search_from(HierarchicalMaximum best);
   void settle();

@@ -128,7 +128,8 @@ double Profile::end(double side, EndsStatus& status) {
   constexpr double kBeside = 1e-3;
   const auto [form, beside] = number_.hold(number_.estimate + kBeside * number_.unit, best_);
   const double error = standard_error(form, best_, beside, kBeside * number_.unit, search_.unit());
-  double reach = std::min(number_.unit / 3, std::isnan(error) ? kInf : root * error);
+  double reach = number_.unit / 3;
+  if (root * error < reach) reach = root * error;
   for (int left_behind = 0; left_behind <= kMostLeftBehind; ++left_behind) {
     double inside = known_inside(), outside = known_outside(inside);
     // Outwards, as far as a parabola promises.
