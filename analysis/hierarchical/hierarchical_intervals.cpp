@@ -120,7 +120,7 @@ struct HierarchicalAnalysis::Task {
 
   bool finished() const {
     const bool all = (std::isnan(tested) || !std::isnan(drop)) && ends->status != EndsStatus::out_of_work;
-    return share > 0 && (all || better.has_value());
+    return all || better.has_value();
   }
 };
 

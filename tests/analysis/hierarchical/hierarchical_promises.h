@@ -88,7 +88,6 @@ struct Kept {
   std::vector<std::string> broken;
   int intervals = 0, tests = 0, out_of_work = 0, not_converged = 0;
   bool unsettled = false, inexact = false, off = false, submodel = false;
-  double work = 0;
 };
 
 inline Kept kept_promises(const RandomStudy& study, bool denser = true) {
