@@ -23,6 +23,9 @@ constexpr double kGrowth = 0.4;      // of its width, by which a range grows at 
 constexpr double kClosest = 0.95;    // the greatest correlation that nodes are placed for
 constexpr double kSmoothU = 0.33;    // in ln s: what likelihoods change within
 constexpr double kMostNodesW = 512;  // where that would be less than all of them
+// Nodes of a lattice that is read between its rows. Where it would have more, its rows are the nodes of w, as always of
+// choices: then it is laid out at every place, but with a hundredth to a half of the rows.
+constexpr std::size_t kMostToRead = 30'000;
 
 // What a sum over equally spaced nodes makes of the variance of a normal density falls short of it by so much. Divided by
 // the fourth power of a spread it is part of the slope of ln L by the spread's square: of a small one, where the answers
@@ -45,7 +48,7 @@ double lost_variance(double mean, double summed, double prior, double spacing, d
 LatticeRange HierarchicalLikelihood::Evaluation::read_by(std::size_t condition, const Rectangle& nodes) const noexcept {
   const LatticeKernel& s = over_s[condition];
   const int s0 = s.start(nodes.u0), s1 = s.start(nodes.u1) + static_cast<int>(s.taps()) - 1;
-  if (choice) return {s0, s1, nodes.w0, nodes.w1};
+  if (rows_at_nodes[condition]) return {s0, s1, nodes.w0, nodes.w1};
   const LatticeKernel& k = over_k[condition];
   return {s0, s1, k.start(nodes.w0), k.start(nodes.w1) + static_cast<int>(k.taps()) - 1};
 }
@@ -135,7 +138,7 @@ void HierarchicalLikelihood::integrate(Person& person, Evaluation& at) {
   for (std::size_t c = 0; c < conditions_; ++c) {
     CellLikelihood& cell = this->cell(person, c);
     const LatticeRange needed = at.read_by(c, at.box);
-    if (choice()) {
+    if (at.rows_at_nodes[c]) {
       lay_out_rows(c, needed, responses(c).steps().origin, responses(c).steps().criterion);
       work_ += cell.take(needed, responses(c), lattices_[c].front().beside);
     } else {
@@ -148,7 +151,7 @@ void HierarchicalLikelihood::integrate(Person& person, Evaluation& at) {
     at.by_criterion[c].resize(nodes * at.high);
     for (std::size_t j = 0; j < at.high; ++j) {
       const int w = at.box.w0 + static_cast<int>(j);
-      if (choice()) {
+      if (at.rows_at_nodes[c]) {
         std::copy_n(cell.at(needed.s0, w), nodes, &at.read[c][j * nodes]);
         std::copy_n(cell.slope_at(needed.s0, w), nodes, &at.by_criterion[c][j * nodes]);
         continue;
@@ -231,7 +234,7 @@ void HierarchicalLikelihood::go_back(Evaluation& at) const {
       add_slopes(rows, &at.adjoint[j * at.wide], at.by_read.data());
       for (std::size_t i = 0; i < rows.nodes; ++i) at.by_read[i] *= at.read[c][j * rows.nodes + i];
       const int w = at.box.w0 + static_cast<int>(j);
-      if (choice()) {
+      if (at.rows_at_nodes[c]) {
         std::copy_n(at.by_read.data(), rows.nodes, &at.by_cell[c][cell_nodes.place(cell_nodes.s0, w)]);
         continue;
       }
@@ -263,7 +266,7 @@ HierarchicalLikelihood::Evaluation HierarchicalLikelihood::prepared(const Hierar
                                                                     const NodeOffset& offset,
                                                                     std::span<const std::size_t> people) {
   Evaluation at(place, offset);
-  at.choice = choice();
+  at.rows_at_nodes.assign(conditions_, choice());
   double sd_u = place.tu, sd_w = place.tw, correlation = std::abs(place.rho);
   for (const std::size_t i : people) {
     const Person& person = people_[i];
@@ -292,13 +295,16 @@ HierarchicalLikelihood::Evaluation HierarchicalLikelihood::prepared(const Hierar
   for (std::size_t c = 0; c < conditions_; ++c) {
     at.over_s.emplace_back(place.mu[c] + at.u(0), at.spacing_u, at.all.u0, at.all.u1, place.tv_of(c),
                            responses(c).steps().ln_s, kFollowed * std::min(reach_, 1.0));
-    if (choice()) {
-      lay_out_rows(c, at.read_by(c, asked), place.kappa[c] + at.w(0), at.spacing_w);
+    if (!choice()) {
+      at.over_k.emplace_back(place.kappa[c] + at.w(0), at.spacing_w, at.all.w0, at.all.w1, 0,
+                             responses(c).steps().criterion, 0);
+      at.rows_at_nodes[c] = at.read_by(c, asked).nodes() > kMostToRead;
+    }
+    const LatticeRange needed = at.read_by(c, asked);
+    if (at.rows_at_nodes[c]) {
+      lay_out_rows(c, needed, place.kappa[c] + at.w(0), at.spacing_w);
       continue;
     }
-    at.over_k.emplace_back(place.kappa[c] + at.w(0), at.spacing_w, at.all.w0, at.all.w1, 0,
-                           responses(c).steps().criterion, 0);
-    const LatticeRange needed = at.read_by(c, asked);
     lattices_[c].front().needed = lattices_[c].front().needed.united(needed);
     responses(c).cover(needed);
     work_ += responses(c).worked();
@@ -313,17 +319,20 @@ HierarchicalLikelihood::Evaluation HierarchicalLikelihood::prepared(const Hierar
   return at;
 }
 
-// Of choices: at the nodes of w, which are others at every place.
+// At the nodes of w, which are others at every place.
 void HierarchicalLikelihood::lay_out_rows(std::size_t condition, const LatticeRange& needed, double origin,
                                           double spacing) {
-  constexpr double kBeside = 1e-5;  // of a spread
+  constexpr double kBesideOfSpread = 1e-5, kBesideOfStep = 1e-5;  // of choices; of a step that could be read between
   Lattice& lattice = lattices_[condition].front();
+  lattice.rows_at_nodes = true;
   LatticeSteps steps = lattice.responses.steps();
   if (steps.origin != origin || steps.criterion != spacing) {
+    const double beside =
+        choice() ? kBesideOfSpread * std::exp(needed.s0 * steps.ln_s) : kBesideOfStep * steps.criterion;
     steps.origin = origin;
     steps.criterion = spacing;
     lattice.responses = ResponseLattice(model_, questions_[condition], shared_, steps);
-    steps.origin += kBeside * std::exp(needed.s0 * steps.ln_s);
+    steps.origin += beside;
     lattice.beside = ResponseLattice(model_, questions_[condition], shared_, steps);
     for (CellLikelihood& cell : lattice.cells) cell.forget();
   }

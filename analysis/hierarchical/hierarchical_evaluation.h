@@ -21,10 +21,11 @@ struct HierarchicalLikelihood::Evaluation {
 
   const HierarchicalPlace& place;
   NodeOffset offset;
-  bool has_u, has_w, choice = false;
+  bool has_u, has_w;
   double spacing_u = 1, spacing_w = 1;
   Rectangle all;                              // of nodes that the kernels reach
-  std::vector<LatticeKernel> over_s, over_k;  // by condition; the second not of choices, whose rows are the nodes of w
+  std::vector<bool> rows_at_nodes;            // by condition: the rows of the lattice are the nodes of w
+  std::vector<LatticeKernel> over_s, over_k;  // by condition; the second not of choices
 
   // Of the participant at work: nodes of w by nodes of u, w outermost.
   Rectangle box;

@@ -110,7 +110,7 @@ HierarchicalLikelihood::HierarchicalLikelihood(std::span<const HierarchicalCell>
   for (std::size_t i = 0; i < participants; ++i) people_[i].number = i;
   for (std::size_t c = 0; c < conditions_; ++c) {
     Lattice& lattice = lattices_.emplace_back().emplace_back(
-        Lattice{{model, questions_[c], shared, {}}, {model, questions_[c], shared, {}}, {}, {}});
+        Lattice{{model, questions_[c], shared, {}}, {model, questions_[c], shared, {}}, {}, {}, false});
     for (std::size_t i = 0; i < participants; ++i) lattice.cells.emplace_back(std::move(answers[i * conditions_ + c]));
   }
 }
@@ -177,8 +177,7 @@ LatticeSteps HierarchicalLikelihood::steps_about(std::size_t condition, const Hi
     design.clear();
     for (const QuestionAnswers& one : cell(person, condition).answers())
       if (one.counts.trials() > 0) design.push_back({questions_[condition][one.question].level, one.counts.trials()});
-    const double mode_s = place.mu[condition] + (person.u.low + person.u.high) / 2,
-                 mode_k = place.kappa[condition] + (person.w.low + person.w.high) / 2;
+    const double mode_s = place.mu[condition] + person.mode_u, mode_k = place.kappa[condition] + person.mode_w;
     const double beside_s =
                      kAround * std::hypot(sd_with(place.tu, person.information_u), sd_with(tv, person.information_u)),
                  beside_k = kAround * sd_with(place.tw, person.information_w);
@@ -214,7 +213,7 @@ void HierarchicalLikelihood::choose_lattices(const HierarchicalPlace& place) {
     std::vector<Lattice>& of = lattices_[c];
     const auto same = std::find_if(of.begin(), of.end(), [&](const Lattice& one) {
       return one.responses.steps().ln_s == steps.ln_s &&
-             (choice() || one.responses.steps().criterion == steps.criterion);
+             (choice() || (one.responses.steps().criterion == steps.criterion && !one.rows_at_nodes));
     });
     if (same != of.end()) {
       std::rotate(of.begin(), same, same + 1);
@@ -222,10 +221,10 @@ void HierarchicalLikelihood::choose_lattices(const HierarchicalPlace& place) {
     }
     constexpr std::size_t kMostLattices = 3;
     const ResponseLattice empty(model_, questions_[c], shared_, steps);
-    Lattice fresh{empty, empty, {}, {}};
+    Lattice fresh{empty, empty, {}, {}, false};
     for (const CellLikelihood& cell : of.front().cells) fresh.cells.emplace_back(cell.answers());
     const LatticeRange& range = of.front().responses.range();
-    if (choice() || range.empty() || range.nodes() > kMostKept) of.erase(of.begin());
+    if (of.front().rows_at_nodes || range.empty() || range.nodes() > kMostKept) of.erase(of.begin());
     if (of.size() == kMostLattices) of.pop_back();
     of.insert(of.begin(), std::move(fresh));
   }
@@ -243,6 +242,8 @@ void HierarchicalLikelihood::locate(Person& person, const HierarchicalPlace& pla
       cell.answers.push_back({questions_[c][one.question].level, one.counts});
   }
   const PersonMode mode = person_mode(cells, model_, shared_, {place.tu, place.tw, place.rho});
+  person.mode_u = mode.u;
+  person.mode_w = mode.w;
   person.information_u = mode.information_u;
   person.information_w = mode.information_w;
   person.correlation = mode.correlation;
@@ -268,11 +269,12 @@ void HierarchicalLikelihood::through_everybody(const HierarchicalPlace& place, E
     for (std::size_t c = 0; c < conditions_; ++c)
       work_ += kToLocate * static_cast<double>(cell(person, c).answers().size());
   }
-  choose_lattices(place);
-  for (std::vector<Lattice>& of : lattices_) of.front().needed = {};
+  for (std::vector<Lattice>& of : lattices_)
+    for (Lattice& one : of) one.needed = {};
   std::vector<std::size_t> pending(people_.size());
   std::iota(pending.begin(), pending.end(), 0);
   while (!pending.empty()) {
+    choose_lattices(place);  // not the one whose rows are the nodes of the people before
     const std::vector<std::size_t> people = alike(pending, place);
     Evaluation at = prepared(place, offset, people);
     at.back_to_cells = by.any();
@@ -282,7 +284,8 @@ void HierarchicalLikelihood::through_everybody(const HierarchicalPlace& place, E
       go_back(at);
       each(i, at);
       if (!fine_enough(people_[i], at)) break;
-      for (std::size_t c = 0; c < conditions_ && choice(); ++c) cell(people_[i], c).forget();
+      for (std::size_t c = 0; c < conditions_; ++c)
+        if (at.rows_at_nodes[c]) cell(people_[i], c).forget();
       std::erase(pending, i);
     }
   }

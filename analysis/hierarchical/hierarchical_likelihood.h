@@ -116,6 +116,7 @@ class HierarchicalLikelihood {
   // Of the evaluation at work: where the nodes go.
   struct Person {
     std::size_t number = 0;
+    double mode_u = 0, mode_w = 0;
     Range u, w;
     double information_u = 0, information_w = 0;  // of the answers, about each alone
     double correlation = 0;                       // of u and w in the posterior
@@ -134,9 +135,10 @@ class HierarchicalLikelihood {
   };
   // What is known of a condition's answers on lattices of some steps.
   struct Lattice {
-    ResponseLattice responses, beside;  // of choices the latter a step of the criterion away
+    ResponseLattice responses, beside;  // where rows lie at nodes the latter a step of the criterion away
     std::vector<CellLikelihood> cells;  // by participant
     LatticeRange needed;                // of the evaluation at work
+    bool rows_at_nodes;                 // of w: of no use at another place
   };
 
   ResponseLattice& responses(std::size_t condition) noexcept { return lattices_[condition].front().responses; }

@@ -152,6 +152,33 @@ TEST_CASE("who answered little beside who answered much takes few nodes", "[hier
   CHECK(together.work() < 6 * work);
 }
 
+TEST_CASE("who has one answer on all same trials and the other on all different ones takes few rows",
+          "[hierarchical]") {
+  const std::vector<HierarchicalCell> cells = {{0, 0, 0, 15, 21},  {0, 0, 200, 11, 1}, {0, 0, 300, 11, 1},
+                                               {0, 0, 400, 12, 0}, {1, 0, 0, 19, 17},  {1, 0, 200, 12, 0},
+                                               {1, 0, 300, 12, 0}, {1, 0, 400, 12, 0}, {2, 0, 0, 0, 36},
+                                               {2, 0, 200, 11, 1}, {2, 0, 300, 12, 0}, {2, 0, 400, 12, 0}};
+  HierarchicalPlace place;
+  place.mu = {2.6};
+  place.kappa = {0.66};
+  place.tu = place.tw = 1;
+  place.tv = 0.1;
+  HierarchicalLikelihood usual(cells, ResponseModel::differencing, {}), fine(cells, ResponseModel::differencing, {}, 2);
+  const HierarchicalLikelihood::Value value = usual.at(place);
+  CHECK(usual.work() < 1e8);
+  CHECK(std::abs(value.log_likelihood - fine.at(place).log_likelihood) < 1e-5);
+  constexpr double kStep = 1e-3;
+  for (const auto& [parameter, slope] : {std::pair{&place.mu[0], value.slope.mu[0]},
+                                         {&place.kappa[0], value.slope.kappa[0]},
+                                         {&place.tw, value.slope.tw}}) {
+    *parameter += kStep;
+    const double above = fine.at(place).log_likelihood;
+    *parameter -= 2 * kStep;
+    CHECK(std::abs((above - fine.at(place).log_likelihood) / (2 * kStep) - slope) < 1e-4);
+    *parameter += kStep;
+  }
+}
+
 TEST_CASE("people whose answers say nothing, or all the same, have a likelihood too", "[hierarchical]") {
   std::vector<HierarchicalCell> cells = published_study(4, 1);
   const double before = HierarchicalLikelihood(cells, ResponseModel::yes_no, {}).at(published_truth()).log_likelihood;
