@@ -147,7 +147,7 @@ TEST_CASE("categories that nobody used are one with their neighbours", "[hierarc
 }
 
 TEST_CASE("drawn answers with sureness give back what they were drawn from, and narrower intervals than two answers",
-          "[hierarchical][sureness]") {
+          "[hierarchical][sureness][long]") {
   HierarchicalModel truth;
   truth.shared.sure_below = 0.6;
   truth.shared.sure_above = 1;

@@ -99,7 +99,7 @@ SharedEstimate only(const std::vector<SharedEstimate>& estimates) {
 }
 
 TEST_CASE("answers that are more alike than independent ones: the truth comes back, and the group is known less well",
-          "[hierarchical]") {
+          "[hierarchical][long]") {
   HierarchicalModel truth, model;
   truth.shared.overdispersion = 0.2;
   model.tv = false;

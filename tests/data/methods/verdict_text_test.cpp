@@ -132,7 +132,7 @@ TEST_CASE("a p is never rounded to the other side of alpha") {
 }
 
 // What the sentence says of each contrast is what its registered p says, whatever the data.
-TEST_CASE("the verdict says what the tests say") {
+TEST_CASE("the verdict says what the tests say", "[long]") {
   const Protocol protocol = published();
   int significant = 0, not_significant = 0;
   REQUIRE(rc::check("of random studies", [&] {

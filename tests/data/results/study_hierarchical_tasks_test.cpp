@@ -248,7 +248,8 @@ AdaptiveResults tracked_results(const Protocol& protocol, int people, int trials
   return results;
 }
 
-TEST_CASE("levels that answers set, hardly two alike, count in steps, and estimates stay where they are", "[data]") {
+TEST_CASE("levels that answers set, hardly two alike, count in steps, and estimates stay where they are",
+          "[data][long]") {
   const Protocol protocol = load_protocol(std::string(JND_SOURCE_DIR) + "/protocols/adaptive-quest.json");
   const AdaptiveResults results = tracked_results(protocol, 4, 24);
   const StudyHierarchical model = study_hierarchical(results, protocol);

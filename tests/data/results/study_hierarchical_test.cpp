@@ -38,7 +38,7 @@ StudyHierarchical model_of(const std::vector<CellCounts>& cells, const Protocol&
   return study_hierarchical(analyze_counts(cells, protocol, SessionKind::simulated), protocol);
 }
 
-TEST_CASE("the model of a study is that of its counts", "[data]") {
+TEST_CASE("the model of a study is that of its counts", "[data][long]") {
   const std::vector<CellCounts> counts = patterned_counts(6);
   const StudyAnalysis analysis = analyze_counts(counts, chinello(), SessionKind::simulated);
   const StudyHierarchical model = study_hierarchical(analysis, chinello());
@@ -284,7 +284,7 @@ const HierarchicalVariant& variant_of(const StudyHierarchical& model, VariantKin
   return *found;
 }
 
-TEST_CASE("what the model leaves out stands beside it, and changes nothing of it", "[data]") {
+TEST_CASE("what the model leaves out stands beside it, and changes nothing of it", "[data][long]") {
   const StudyHierarchical alone = model_of(patterned_counts(6));
   StudyAnalysis analysis = with_halves(patterned_counts(6), chinello());
   const StudyHierarchical model = study_hierarchical(analysis, chinello());

@@ -93,7 +93,8 @@ TEST_CASE("a usual study has every figure, with every participant in it") {
     CHECK(models.find(escape_markup(describe(row.method).substr(0, 20))) != std::string::npos);
 }
 
-TEST_CASE("the hierarchical model has its figures where it was added: who is drawn towards the group, and ratios") {
+TEST_CASE("the hierarchical model has its figures where it was added: who is drawn towards the group, and ratios",
+          "[long]") {
   const Protocol protocol = published_protocol();
   StudyResults results = invented_study(protocol, 18);
   add_hierarchical(results, protocol);

@@ -231,7 +231,7 @@ TEST_CASE("a table keeps its heads and its numbers to the right") {
   CHECK(table_html(two_tables()[1]).find("\"table wide widest short\"") != std::string::npos);
 }
 
-TEST_CASE("the style sheet knows every class of the figures, dark paper and print") {
+TEST_CASE("the style sheet knows every class of the figures, dark paper and print", "[long]") {
   const std::string style(report_style());
   CHECK(style.find("url(") == std::string::npos);
   CHECK(style.find("@import") == std::string::npos);

@@ -186,7 +186,7 @@ std::string replaced(std::string text, std::string_view what, std::string_view b
   return text;
 }
 
-TEST_CASE("Two plans that look the same show the same to the last byte, in every task") {
+TEST_CASE("Two plans that look the same show the same to the last byte, in every task", "[long]") {
   for (const std::uint64_t seed : {1, 2, 3, 4}) {
     const Twins twins = shown_by_twins(rich_protocol(), seed > 2, delivers_as_asked, seed);
     CHECK(twins.first == twins.second);

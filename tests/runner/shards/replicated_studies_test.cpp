@@ -123,7 +123,7 @@ TEST_CASE("seeds of studies are their own, and whole in a double", "[shards][rep
   CHECK(*seeds.rbegin() < (std::uint64_t{1} << 53U));
 }
 
-TEST_CASE("shards of simulated studies come to the same files however they are cut", "[shards][replicated]") {
+TEST_CASE("shards of simulated studies come to the same files however they are cut", "[shards][replicated][long]") {
   const TemporaryFolder folder;
   const Asked asked{testing::few_trials(TaskKind::same_different, 4)};
   make(asked, 1, 1, folder.path() / "whole.json", 2);
