@@ -156,6 +156,7 @@ struct HierarchicalWish {
   bool intervals = false;                                    // of the means, and of choices of the criteria
   bool shared = false;                                       // of each that is to be estimated: interval and test
   std::vector<std::pair<std::size_t, std::size_t>> pairs{};  // of conditions: the difference, its interval and test
+  double most_work = 13e9;  // of everything (HierarchicalLikelihood::work), the search for the maximum too
 };
 
 class HierarchicalAnalysis {
@@ -226,7 +227,7 @@ class HierarchicalAnalysis {
   std::vector<bool> kept_;
   HierarchicalForm form_;
   SearchRange range_;
-  double fineness_ = 1, spent_ = 0;  // the latter: work of searches before search_
+  double fineness_ = 1, spent_ = 0, completed_ = 0;  // the others: work of searches before search_, and of complete()
   std::optional<HierarchicalSearch> search_;
   HierarchicalFit fit_;
   HierarchicalWish wished_;  // all that complete() was asked for

@@ -17,9 +17,9 @@ namespace jnd {
 
 namespace {
 
-// Of HierarchicalLikelihood::work(), of which a second has about 1e9: for a fit and what complete() adds. A number takes
-// about so many evaluations; its test may take up to that share of its work.
-constexpr double kMostOfAll = 13e9, kEvaluationsOfNumber = 80, kOfTest = 0.3;
+// A number takes about so many evaluations, and hardly ever more than so many times as many; its test may take up to that
+// share of its work.
+constexpr double kEvaluationsOfNumber = 80, kTimesAsMany = 3, kOfTest = 0.3;
 constexpr double kFurthestFactor = 3;  // in ln s: a factor of 20
 constexpr double kFurthestBias = 6;    // in units of the criterion, a quarter of the range of levels: 1.5 of them
 
@@ -201,7 +201,7 @@ double HierarchicalAnalysis::complete_one(Task& task, double share) const {
 }
 
 // As many of the numbers, the first first, as can be finished with the work that is left, and then with what these left;
-// and those that took more than their share once more with a larger one. Returns how much was taken.
+// and those that took more than their share once more with at least twice as much. Returns how much was taken.
 double HierarchicalAnalysis::complete_all(std::vector<Task>& tasks, double left, int threads) {
   const double before = search_->work();
   search_->likelihood().set_shared(fit_.maximum.shared);
@@ -212,8 +212,10 @@ double HierarchicalAnalysis::complete_all(std::vector<Task>& tasks, double left,
   std::vector<Task*> waiting;
   for (Task& task : tasks) waiting.push_back(&task);
   while (!waiting.empty() && left - spent > of_number) {
-    const std::size_t now = std::min(waiting.size(), static_cast<std::size_t>((left - spent) / of_number));
-    const double share = (left - spent) / static_cast<double>(now);
+    const double share = std::max((left - spent) / static_cast<double>(waiting.size()),
+                                  std::min(left - spent, kTimesAsMany * of_number));
+    if (2 * waiting.front()->share > share) break;
+    const std::size_t now = std::min(waiting.size(), static_cast<std::size_t>((left - spent) / share));
     std::atomic<std::size_t> next{0};
     std::mutex mutex;
     std::exception_ptr failure;
@@ -240,21 +242,20 @@ double HierarchicalAnalysis::complete_all(std::vector<Task>& tasks, double left,
     if (failure) std::rethrow_exception(failure);
     std::rotate(waiting.begin(), waiting.begin() + static_cast<std::ptrdiff_t>(now), waiting.end());
     std::erase_if(waiting, [](const Task* one) { return one->finished(); });
-    if (!waiting.empty() && 2 * waiting.front()->share > (left - spent) / static_cast<double>(waiting.size())) break;
   }
   return spent;
 }
 
 const HierarchicalFit& HierarchicalAnalysis::complete(const HierarchicalWish& wish, int threads) {
-  double left = std::max(0.0, kMostOfAll - spent_ - search_->work());
   wished_.intervals = wished_.intervals || wish.intervals;
   wished_.shared = wished_.shared || wish.shared;
   if (!wish.pairs.empty()) wished_.pairs = wish.pairs;
+  wished_.most_work = wish.most_work;
   for (int restart = 0;; ++restart) {
     std::vector<Task> tasks = tasks_of(restart == 0 ? wish : wished_);
     for (Task& task : tasks)
       if (task.interval) task.ends->status = EndsStatus::out_of_work;  // until it is done
-    left -= complete_all(tasks, left, threads);
+    completed_ += complete_all(tasks, wish.most_work - spent_ - search_->work() - completed_, threads);
     const HierarchicalMaximum* better = nullptr;
     for (const Task& task : tasks)
       if (task.better && (better == nullptr || task.better->log_likelihood > better->log_likelihood))

@@ -2,6 +2,7 @@
 #include "analysis/hierarchical/hierarchical_search.h"
 
 #include <cmath>
+#include <set>
 #include <vector>
 
 #include "analysis/hierarchical/hierarchical_fit.h"
@@ -30,6 +31,45 @@ TEST_CASE("about a maximum means vary as ln L falls beside it", "[hierarchical]"
     CHECK(curvature([&](double value) { return analysis.drop_of_difference(c, other, value); }, mu - beside) ==
           Approx(1 / (at(c, c) + at(other, other) - 2 * at(c, other))).epsilon(0.03));
   }
+}
+
+TEST_CASE("where work runs out JNDs come before ratios, and what is finished is what more work would find",
+          "[hierarchical][long]") {
+  const std::vector<HierarchicalCell> cells = published_study(6, 4);
+  const auto with = [&cells](double most_work, int threads) {
+    HierarchicalAnalysis analysis(cells, {});
+    return analysis.complete({.intervals = true, .pairs = analysis.pairs(), .most_work = most_work}, threads);
+  };
+  const auto ends_of = [](const HierarchicalFit& fit) {
+    std::vector<ProfileEnds> ends;
+    for (const ConditionMean& one : fit.conditions) ends.push_back(one.ends);
+    for (const ConditionDifference& one : fit.differences) ends.push_back(one.ends);
+    return ends;
+  };
+  const std::vector<ProfileEnds> all = ends_of(with(13e9, 1));
+  REQUIRE(all.size() == 6);
+  std::set<std::size_t> counts;
+  for (const double most_work : {0.0, 1.2e8, 1.9e8, 13e9}) {
+    const std::vector<ProfileEnds> ends = ends_of(with(most_work, 1)), of_two = ends_of(with(most_work, 2));
+    std::size_t finished = 0;
+    for (std::size_t i = 0; i < 6; ++i) {
+      CAPTURE(most_work, i);
+      CHECK(of_two[i].status == ends[i].status);
+      if (ends[i].status == EndsStatus::out_of_work) {
+        CHECK(std::isnan(ends[i].low));
+        CHECK(std::isnan(ends[i].high));
+        continue;
+      }
+      CHECK(finished == i);
+      ++finished;
+      for (const std::vector<ProfileEnds>* other : {&all, &of_two}) {
+        CHECK(ends[i].low == (*other)[i].low);
+        CHECK(ends[i].high == (*other)[i].high);
+      }
+    }
+    counts.insert(finished);
+  }
+  CHECK(counts.size() == 4);
 }
 
 TEST_CASE("a search that knows the curvature ends at the same place", "[hierarchical]") {
