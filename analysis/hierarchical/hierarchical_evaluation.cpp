@@ -23,8 +23,8 @@ constexpr double kGrowth = 0.4;      // of its width, by which a range grows at 
 constexpr double kClosest = 0.95;    // the greatest correlation that nodes are placed for
 constexpr double kSmoothU = 0.33;    // in ln s: what likelihoods change within
 constexpr double kMostNodesW = 512;  // where that would be less than all of them
-// Nodes of a lattice that is read between its rows. Where it would have more, its rows are the nodes of w, as always of
-// choices: then it is laid out at every place, but with a hundredth to a half of the rows.
+// Nodes of a lattice that is read between its rows. Where it would have more, and more rows than there are nodes of w,
+// its rows are those nodes, as always of choices: then it is laid out at every place, twice, for the derivatives.
 constexpr std::size_t kMostToRead = 30'000;
 
 // What a sum over equally spaced nodes makes of the variance of a normal density falls short of it by so much. Divided by
@@ -298,7 +298,9 @@ HierarchicalLikelihood::Evaluation HierarchicalLikelihood::prepared(const Hierar
     if (!choice()) {
       at.over_k.emplace_back(place.kappa[c] + at.w(0), at.spacing_w, at.all.w0, at.all.w1, 0,
                              responses(c).steps().criterion, 0);
-      at.rows_at_nodes[c] = at.read_by(c, asked).nodes() > kMostToRead;
+      const LatticeRange between = at.read_by(c, asked);
+      at.rows_at_nodes[c] =
+          between.nodes() > kMostToRead && between.high() > static_cast<std::size_t>(asked.w1 - asked.w0 + 1);
     }
     const LatticeRange needed = at.read_by(c, asked);
     if (at.rows_at_nodes[c]) {

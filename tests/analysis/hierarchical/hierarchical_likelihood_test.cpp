@@ -172,9 +172,9 @@ TEST_CASE("who has one answer on all same trials and the other on all different 
                                          {&place.kappa[0], value.slope.kappa[0]},
                                          {&place.tw, value.slope.tw}}) {
     *parameter += kStep;
-    const double above = fine.at(place).log_likelihood;
+    const double above = usual.at(place).log_likelihood;
     *parameter -= 2 * kStep;
-    CHECK(std::abs((above - fine.at(place).log_likelihood) / (2 * kStep) - slope) < 1e-4);
+    CHECK(std::abs((above - usual.at(place).log_likelihood) / (2 * kStep) - slope) < 1e-4);
     *parameter += kStep;
   }
 }
