@@ -300,7 +300,7 @@ HierarchicalLikelihood::Evaluation HierarchicalLikelihood::prepared(const Hierar
                              responses(c).steps().criterion, 0);
       const LatticeRange between = at.read_by(c, asked);
       at.rows_at_nodes[c] =
-          between.nodes() > kMostToRead && between.high() > static_cast<std::size_t>(asked.w1 - asked.w0 + 1);
+          between.nodes() > kMostToRead && between.high() > static_cast<std::size_t>(asked.w1 - asked.w0) + 1;
     }
     const LatticeRange needed = at.read_by(c, asked);
     if (at.rows_at_nodes[c]) {
