@@ -171,8 +171,8 @@ class HierarchicalAnalysis {
   const std::vector<HierarchicalCell>& cells() const noexcept { return cells_; }
 
   // What takes longer. Where it comes upon a larger likelihood than the fit's, that is the fit from there on, and all that
-  // was asked for, now or before, is computed again. The result does not depend on the number of threads. Tells work_progress() (numerics/stop_request.h).
-  // Throws Stopped.
+  // was asked for, now or before, is computed again. The result does not depend on the number of threads. Tells
+  // work_progress() (numerics/stop_request.h). Throws Stopped.
   const HierarchicalFit& complete(const HierarchicalWish& wish, int threads = 1);
   const HierarchicalFit& add_intervals() { return complete({.intervals = true}); }
   const std::vector<ConditionDifference>& differences() { return complete({.pairs = pairs()}).differences; }
