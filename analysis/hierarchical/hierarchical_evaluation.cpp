@@ -324,13 +324,12 @@ HierarchicalLikelihood::Evaluation HierarchicalLikelihood::prepared(const Hierar
 // At the nodes of w, which are others at every place.
 void HierarchicalLikelihood::lay_out_rows(std::size_t condition, const LatticeRange& needed, double origin,
                                           double spacing) {
-  constexpr double kBesideOfSpread = 1e-5, kBesideOfStep = 1e-5;  // of choices; of a step that could be read between
+  constexpr double kBeside = 1e-5;  // of a spread of choices; else of a step that could be read between
   Lattice& lattice = lattices_[condition].front();
   lattice.rows_at_nodes = true;
   LatticeSteps steps = lattice.responses.steps();
   if (steps.origin != origin || steps.criterion != spacing) {
-    const double beside =
-        choice() ? kBesideOfSpread * std::exp(needed.s0 * steps.ln_s) : kBesideOfStep * steps.criterion;
+    const double beside = kBeside * (choice() ? std::exp(needed.s0 * steps.ln_s) : steps.criterion);
     steps.origin = origin;
     steps.criterion = spacing;
     lattice.responses = ResponseLattice(model_, questions_[condition], shared_, steps);
