@@ -119,7 +119,7 @@ struct AnswerChoice {
 
 // What each trial asks, and what of that is this study's own. What a task is says protocols/tasks/task.h.
 struct TaskSpec {
-  TaskKind kind = TaskKind::same_different;
+  TaskKind kind{};
   std::vector<std::string> classes = {"same", "different"};  // the words of Answer::said
   // In the order in which keys are shown; empty: a number is answered.
   std::vector<AnswerChoice> answers = {{"same", 's', 0, 0}, {"different", 'd', 1, 0}};

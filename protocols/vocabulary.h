@@ -201,7 +201,7 @@ struct Trial {
   int condition = 0;  // place in Protocol::conditions, from 0
   Intervals stimuli{};
   Unit unit = Unit::n_per_m;  // of the stimuli
-  TaskKind task = TaskKind::same_different;
+  TaskKind task{};
   // Which of the task's classes the stimuli belong to: the one that is correct to say; -1 where none is.
   int target = 0;
   double standard = 0;  // that the others are judged against; 0: there is none

@@ -40,7 +40,7 @@ WINGS = {
         "planning": ". input tasks",
         "course": ". planning tasks",
         "reading": ". input planning course tasks",
-        "rigs": ". input reading",
+        "rigs": ". input reading tasks",
     },
     "data": {
         "log": "",

@@ -43,7 +43,7 @@ class RecordFiles {
         intervals_(files, "intervals.csv", interval_columns(protocol, device_places(study, protocol, sessions))),
         voided_(files, "voided.csv", voided_columns(protocol)),
         answers_(files, "answers.csv", answer_columns()) {
-    if (protocol.task.kind == TaskKind::explore) return;  // it has no trials
+    if (!task_of(protocol.task.kind).has_trials()) return;
     trials_.begin();
     intervals_.begin();
   }

@@ -11,7 +11,7 @@
 #include "data/fields/between_fields.h"
 #include "data/fields/field.h"
 #include "protocols/course/prescription.h"
-#include "protocols/tasks/same_different_task.h"
+#include "protocols/tasks/level_source.h"
 #include "protocols/tasks/task.h"
 #include "protocols/version.h"
 
@@ -69,7 +69,7 @@ template <typename Row, typename Get>
 void add_stimuli(Fields<Row>& fields, const Protocol& protocol, Get trial) {
   const Task& task = task_of(protocol.task.kind);
   const std::string suffix(name_suffix(protocol.stimulus.unit)), symbol(to_string(protocol.stimulus.unit));
-  if (protocol.task.kind != TaskKind::same_different && task.has_standard())
+  if (!task.has_pairs() && task.has_standard())
     fields.push_back(Field<Row>("standard_" + suffix, "the standard",
                                 [trial](const Row& r) { return trial(r).standard; }, {.unit = symbol}));
   for (int i = 0; i < task.intervals(protocol.task); ++i)
@@ -92,9 +92,9 @@ void add_target(TrialFields& fields, const Protocol& protocol, const std::string
     fields.push_back(TrialField("standard_interval", "the interval that held the standard", [](const R& r) {
       return holds_standard(r.record.trial, r.record.trial.stimuli, 0) ? 1 : 2;
     }));
-  if (protocol.task.kind == TaskKind::same_different)
-    fields.push_back(TrialField("same", "whether the two were equal",
-                                [](const R& r) { return r.record.trial.target == kClassSame; }, {.levels = "0 1"}));
+  if (const std::string_view key = task_of(protocol.task.kind).first_class_key(); !key.empty())
+    fields.push_back(TrialField(std::string(key), "whether the two were equal",
+                                [](const R& r) { return r.record.trial.target == 0; }, {.levels = "0 1"}));
   else if (!words.empty())
     fields.push_back(
         TrialField("target", "the answer that is correct; empty where none is",
@@ -157,7 +157,7 @@ void add_course(TrialFields& fields, const Protocol& protocol) {
   if (judges_exploration(protocol))
     add({"breach", "what of the prescription was broken or not measured; empty where all was kept",
          [](const R& r) { return r.record.breach; }});
-  if (protocol.design.procedure)
+  if (!levels_given(protocol))
     add({"track", "track of the adaptive procedure in its condition, from 1; 0 in practice",
          [](const R& r) { return r.record.trial.track; }});
 }
@@ -178,7 +178,7 @@ void add_place(Fields<Row>& fields, Get trial) {
 }  // namespace
 
 std::vector<CsvColumn<ExportTrial>> trial_columns(const Protocol& protocol) {
-  if (protocol.task.kind == TaskKind::explore) return {};  // it has no trials
+  if (!task_of(protocol.task.kind).has_trials()) return {};
   using R = ExportTrial;
   using F = TrialField;
   const auto trial = [](const R& r) -> const Trial& { return r.record.trial; };
@@ -207,7 +207,7 @@ std::vector<CsvColumn<ExportTrial>> trial_columns(const Protocol& protocol) {
 }
 
 std::vector<CsvColumn<ExportVoided>> voided_columns(const Protocol& protocol) {
-  if (protocol.task.kind == TaskKind::explore) return {};
+  if (!task_of(protocol.task.kind).has_trials()) return {};
   using R = ExportVoided;
   using F = Field<R>;
   const auto trial = [](const R& r) -> const Trial& { return r.trial; };
@@ -354,7 +354,7 @@ void add_device(IntervalFields& fields, const Protocol& protocol, bool joints) {
 
 std::vector<CsvColumn<ExportInterval>> interval_columns(const Protocol& protocol,
                                                         const std::vector<DevicePlace>& places) {
-  if (protocol.task.kind == TaskKind::explore) return {};
+  if (!task_of(protocol.task.kind).has_trials()) return {};
   using R = ExportInterval;
   using F = IntervalField;
   IntervalFields fields = {

@@ -49,7 +49,7 @@ void add_trial(Json& body, const Trial& trial, int attempt) {
   body["unit"] = to_string(trial.unit);
   body["standard"] = trial.standard;
   for (std::size_t i = 0; i < trial.stimuli.size(); ++i) body[stimulus_key(i, trial.unit)] = trial.stimuli[i];
-  if (trial.task == TaskKind::same_different) body["same"] = trial.target == 0;
+  if (const std::string key(task_of(trial.task).first_class_key()); !key.empty()) body[key] = trial.target == 0;
   body["target"] = trial.target < 0 ? Json(nullptr) : Json(trial.target);
   if (trial.track > 0) body["track"] = trial.track;
   if (trial.side >= 0) body["side"] = trial.side;
@@ -166,8 +166,9 @@ Trial trial_from(const Json& body) {
         trial.stimuli.push_back(number_at(body, key.c_str()));
     const Json& target = body.at("target");
     trial.target = target.is_null() ? -1 : whole(target);
-    if (trial.task == TaskKind::same_different && body.at("same").get<bool>() != (trial.target == 0))
-      throw StorageError("\"same\" and \"target\" contradict each other");
+    if (const std::string key(task_of(trial.task).first_class_key());
+        !key.empty() && body.at(key).get<bool>() != (trial.target == 0))
+      throw StorageError(fmt::format("\"{}\" and \"target\" contradict each other", key));
     if (body.contains("track")) trial.track = whole_at(body, "track");
     trial.side = whole_or(body, "side", -1);
     trial.standard_place = whole_or(body, "standard_place", -1);

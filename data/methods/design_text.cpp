@@ -41,7 +41,7 @@ std::string task_words(const Protocol& protocol, const StudyResults& results) {
   for (const Condition& one : protocol.conditions)
     conditions.push_back(fmt::format("{} ({})", markdown_text(one.name), markdown_text(one.label)));
   const auto participants = static_cast<std::size_t>(attendance_of(results).participants);
-  if (!task_of(protocol.task.kind).has_own_results())
+  if (!task_of(protocol.task.kind).has_pairs())
     return fmt::format("{} {} participant{} did the task \"{}\" ({}) with {} under {} condition{}: {}. ", participants,
                        to_string(attendance_of(results).kind), plural(participants), to_string(protocol.task.kind),
                        task_of(protocol.task.kind).summary(), markdown_text(protocol.stimulus.quantity),
@@ -139,8 +139,7 @@ std::string order_sentences(const Protocol& protocol) {
   return text + "\n";
 }
 
-std::string posterior_words(const Protocol& protocol) {
-  const AdaptiveProcedure& procedure = *protocol.design.procedure;
+std::string posterior_words(const AdaptiveProcedure& procedure, const Protocol& protocol) {
   const std::vector<double>& levels = procedure.posterior.levels;
   const bool variance = procedure.posterior.utility == PosteriorUtility::variance;
   const bool catches = task_of(protocol.task.kind).has_catch_trials();
@@ -153,10 +152,9 @@ std::string posterior_words(const Protocol& protocol) {
       model_words(protocol));
 }
 
-std::string procedure_words(const Protocol& protocol) {
-  const AdaptiveProcedure& procedure = *protocol.design.procedure;
+std::string procedure_words(const AdaptiveProcedure& procedure, const Protocol& protocol) {
   const std::string_view unit = unit_of(protocol);
-  if (procedure.kind == AdaptiveProcedure::Kind::posterior) return posterior_words(protocol);
+  if (procedure.kind == AdaptiveProcedure::Kind::posterior) return posterior_words(procedure, protocol);
   if (procedure.kind == AdaptiveProcedure::Kind::quest)
     return fmt::format(
         "QUEST (Watson and Pelli 1983) presented ten to the mean of the posterior (King-Smith et al. 1994), with beta "
@@ -176,16 +174,15 @@ std::string procedure_words(const Protocol& protocol) {
                      rule.step_up == rule.step_down ? "Levitt 1971" : "Levitt 1971; Kaernbach 1991", steps, halved);
 }
 
-std::string procedure_sentences(const Protocol& protocol) {
-  const AdaptiveProcedure& procedure = *protocol.design.procedure;
+std::string procedure_sentences(const AdaptiveProcedure& procedure, const Protocol& protocol) {
   const std::string_view unit = unit_of(protocol);
   std::string text = fmt::format(
       "The answers set the difference from the reference of {:g} {}, within {:g} to {:g} {}: {}. Each condition had {} "
       "track{}{}; a track ended after {}{} trial{} with a difference. ",
-      protocol.stimulus.reference, unit, procedure.clamp[0], procedure.clamp[1], unit, procedure_words(protocol),
-      procedure.starts.size(), plural(procedure.starts.size()), session_words(protocol.design),
-      can_end_early(procedure) ? early_end_of(procedure) + ", or " : std::string(), procedure.trials,
-      plural(static_cast<std::size_t>(procedure.trials)));
+      protocol.stimulus.reference, unit, procedure.clamp[0], procedure.clamp[1], unit,
+      procedure_words(procedure, protocol), procedure.starts.size(), plural(procedure.starts.size()),
+      session_words(protocol.design), can_end_early(procedure) ? early_end_of(procedure) + ", or " : std::string(),
+      procedure.trials, plural(static_cast<std::size_t>(procedure.trials)));
   if (procedure.catch_share > 0)
     text += fmt::format("{:.0f} % of the trials were catch trials (equal pairs{}), kept in short blocks. ",
                         100 * procedure.catch_share,
@@ -207,6 +204,12 @@ std::string series_sentences(const Protocol& protocol) {
                                             : "drawn independently with a probability of one half");
 }
 
+// Of pairs: what sets their difference.
+std::string pair_sentences(const Protocol& protocol) {
+  const auto& procedure = protocol.design.procedure;
+  return procedure ? procedure_sentences(*procedure, protocol) : series_sentences(protocol);
+}
+
 // Of the tasks that have standards and levels.
 std::string comparison_sentences(const Protocol& protocol) {
   const Task& task = task_of(protocol.task.kind);
@@ -226,17 +229,16 @@ std::string comparison_sentences(const Protocol& protocol) {
       text += fmt::format("{} {} {}", task.has_standard() ? ", compared with" : " were", list_of(levels), unit);
     text += ". ";
   }
-  if (design.procedure)
+  if (const auto& procedure = design.procedure)
     return text + fmt::format(
                       "The answers set {}, within {:g} to {:g} {}: {}. Each condition and "
                       "standard had {} track{}{} of {}{} trials with a difference. {}",
-                      design.procedure->sides.front() == 0
+                      procedure->sides.front() == 0
                           ? "the comparison, down where it was said to have more and up where it was not"
                           : "the difference from the standard",
-                      design.procedure->clamp[0], design.procedure->clamp[1], unit, procedure_words(protocol),
-                      design.procedure->starts.size(), plural(design.procedure->starts.size()), session_words(design),
-                      can_end_early(*design.procedure) ? "at most " : "", design.procedure->trials,
-                      task.arrangement(protocol));
+                      procedure->clamp[0], procedure->clamp[1], unit, procedure_words(*procedure, protocol),
+                      procedure->starts.size(), plural(procedure->starts.size()), session_words(design),
+                      can_end_early(*procedure) ? "at most " : "", procedure->trials, task.arrangement(protocol));
   return text + fmt::format("Each level was presented {} time{} in every condition{}, in random order. {}",
                             design.trials_per_cell, plural(static_cast<std::size_t>(design.trials_per_cell)),
                             session_words(design), task.arrangement(protocol));
@@ -260,11 +262,9 @@ std::string model_words(const Protocol& protocol) {
 }
 
 std::string design_paragraph(const Protocol& protocol, const StudyResults& results) {
+  const bool pairs = task_of(protocol.task.kind).has_pairs();
   return task_words(protocol, results) + group_sentences(protocol) +
-         (!task_of(protocol.task.kind).has_own_results() ? comparison_sentences(protocol)
-          : protocol.design.procedure                    ? procedure_sentences(protocol)
-                                                         : series_sentences(protocol)) +
-         order_sentences(protocol);
+         (pairs ? pair_sentences(protocol) : comparison_sentences(protocol)) + order_sentences(protocol);
 }
 
 std::string exploration_design(const Protocol& protocol, const StudyResults& results) {

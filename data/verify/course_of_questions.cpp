@@ -85,10 +85,9 @@ void CourseOfQuestions::add_missing(Question::When when, int condition, int afte
 }
 
 void CourseOfQuestions::add_missing_after(const Block& block, std::vector<std::string>& missing) const {
-  if (protocol_.task.kind == TaskKind::explore || protocol_.design.arrangement == Arrangement::blocked)
+  if (protocol_.design.arrangement == Arrangement::blocked)
     add_missing(Question::When::after_condition, block.condition, block.planned, missing);
-  if (protocol_.task.kind != TaskKind::explore && block.series_over)
-    add_missing(Question::When::after_series, -1, block.planned, missing);
+  if (block.series_over) add_missing(Question::When::after_series, -1, block.planned, missing);
 }
 
 std::vector<std::string> CourseOfQuestions::missing_before(int block) const {

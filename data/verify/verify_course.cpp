@@ -157,7 +157,7 @@ class Course {
     finished_.insert(index);
     answered_.push_back({record.trial, record.attempt, record.answer});
     if (!record.trial.practice) ++main_done_;
-    if (protocol_.design.procedure && planned_.contains(index)) adaptive_.answered(*planned_.at(index), record.answer);
+    if (planned_.contains(index)) adaptive_.answered(*planned_.at(index), record.answer);
   }
 
   // Also of an answer that is taken back.
@@ -173,11 +173,9 @@ class Course {
       answered_.erase(answered);
       finished_.erase(trial.index);
       block_ = 0;
-      if (protocol_.design.procedure) {
-        adaptive_ = AdaptiveRun(protocol_);
-        for (const Answered& one : answered_)
-          if (planned_.contains(one.trial.index)) adaptive_.answered(*planned_.at(one.trial.index), one.answer);
-      }
+      adaptive_ = AdaptiveRun(protocol_);
+      for (const Answered& one : answered_)
+        if (planned_.contains(one.trial.index)) adaptive_.answered(*planned_.at(one.trial.index), one.answer);
     } else if (pending_ && pending_->index == trial.index && pending_->attempt == attempt) {
       pending_.reset();
     } else {

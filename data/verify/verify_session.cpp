@@ -210,7 +210,7 @@ void SessionCheck::check_voided(const Event& event, const Json& body) {
 }
 
 void SessionCheck::replay_answers() {
-  if (!has_plan_ || !protocol_->design.procedure) return;
+  if (!has_plan_) return;
   adaptive_.emplace(*protocol_);
   for (const Given& one : given_)
     if (planned_.contains(one.trial.index)) adaptive_->answered(one.planned, one.answer);

@@ -64,8 +64,8 @@ class SimulatedParticipant final : public Responder {
 
     const double tired = 1 + profile_.drift_per_trial * static_cast<double>(std::max(question.trial.index - 1, 0));
     const double factor = spread_ * std::max(tired, 0.0);
-    Answer answer = question.trial.task == TaskKind::same_different ? pair_answer(question, factor, noise)
-                                                                    : task_answer(question, factor, random);
+    Answer answer = task_of(question.trial.task).compares_cues() ? pair_answer(question, factor, noise)
+                                                                 : task_answer(question, factor, random);
     if (lapse) answer = lapsed(answer, coin, random);
     answer.entered_by = EnteredBy::participant;
     answer.response_time_s = profile_.response_time_median_s * std::exp(profile_.response_time_sigma * hesitation);
@@ -209,7 +209,7 @@ ParticipantProfile at_reference(ParticipantProfile profile, const StimulusSpec& 
 }
 
 std::string default_profile(const Protocol& protocol) {
-  if (protocol.task.kind == TaskKind::explore) return kExploring;
+  if (!task_of(protocol.task.kind).has_trials()) return kExploring;
   if (!protocol.rig.built_in()) return kKinaesthetic;
   for (const Condition& condition : protocol.conditions)
     if (condition.cues.kinaesthetic) return kKinaesthetic;

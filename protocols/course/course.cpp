@@ -38,7 +38,6 @@ std::vector<CourseBlock> course_blocks(const Protocol& protocol, const Plan& pla
     blocks.back().end = place + 1;
     blocks.back().condition = condition;
   };
-  const bool explore = protocol.task.kind == TaskKind::explore;
   for (std::size_t i = 0; i < plan.explorations.size(); ++i) {
     const ExplorationSlot& slot = plan.explorations[i];
     if (i == 0 || plan.explorations[i - 1].block != slot.block) blocks.push_back({.begin = i});
@@ -55,27 +54,28 @@ std::vector<CourseBlock> course_blocks(const Protocol& protocol, const Plan& pla
     add(i, trial.condition);
     before = &trial;
   }
-  if (!blocks.empty()) blocks.back().series_over = !explore;
+  if (before != nullptr) blocks.back().series_over = true;
   number_blocks(blocks);
   return blocks;
 }
 
 std::vector<CourseBlock> course_blocks(const Protocol& protocol) {
   std::vector<CourseBlock> blocks;
-  const bool explore = protocol.task.kind == TaskKind::explore;
-  const bool mixed = !explore && protocol.design.arrangement == Arrangement::mixed;
+  const bool mixed = protocol.design.arrangement == Arrangement::mixed;
   const std::vector<int> conditions = conditions_of(protocol, largest_plan(protocol));
-  const int series = explore ? 1 : static_cast<int>(protocol.series.size());
+  // Of a condition's turn in each series; objects are explored in one turn.
+  std::vector<std::size_t> turns;
+  if (protocol.explore) turns = {protocol.explore->objects.size()};
+  for (const Series& series : protocol.series)
+    turns.push_back(static_cast<std::size_t>(trials_of_cell(protocol, series)) * (mixed ? conditions.size() : 1));
   std::size_t place = 0;
-  for (int one = 0; one < series; ++one) {
-    const int each = explore ? static_cast<int>(protocol.explore ? protocol.explore->objects.size() : 0)
-                             : trials_of_cell(protocol, one) * (mixed ? static_cast<int>(conditions.size()) : 1);
+  for (const std::size_t each : turns) {
     for (std::size_t turn = mixed ? conditions.size() - 1 : 0; turn < conditions.size(); ++turn) {
       blocks.push_back({.begin = place,
-                        .end = place + static_cast<std::size_t>(each),
+                        .end = place + each,
                         .condition = conditions[turn],
                         .one_condition = !mixed,
-                        .series_over = !explore && turn + 1 == conditions.size()});
+                        .series_over = !protocol.explore && turn + 1 == conditions.size()});
       place = blocks.back().end;
     }
   }
@@ -83,11 +83,10 @@ std::vector<CourseBlock> course_blocks(const Protocol& protocol) {
   return blocks;
 }
 
-std::vector<CoursePage> pages_after(const CourseBlock& block, TaskKind task) {
+std::vector<CoursePage> pages_after(const CourseBlock& block) {
   std::vector<CoursePage> pages;
   if (block.one_condition) pages.push_back({Question::When::after_condition, block.condition, block.planned});
-  if (block.series_over && task != TaskKind::explore)
-    pages.push_back({Question::When::after_series, -1, block.planned});
+  if (block.series_over) pages.push_back({Question::When::after_series, -1, block.planned});
   return pages;
 }
 
@@ -122,12 +121,7 @@ const Break* break_within_block(int main_done, const Protocol& protocol) {
 }
 
 Course::Course(const Protocol& protocol, const Plan& plan, bool person)
-    : protocol_(protocol),
-      plan_(plan),
-      person_(person),
-      blocks_(course_blocks(protocol, plan)),
-      adaptive_(protocol),
-      main_total_(main_trial_count(plan)) {
+    : protocol_(protocol), plan_(plan), person_(person), blocks_(course_blocks(protocol, plan)), adaptive_(protocol) {
   for (std::size_t i = 0; i < plan.trials.size(); ++i) {
     const Trial& trial = plan.trials[i];
     if (!trial.practice) continue;
@@ -219,7 +213,6 @@ int Course::attempts_used(int index) const {
 }
 
 int Course::main_left() const {
-  if (!protocol_.design.procedure) return main_total_ - main_done_;
   return static_cast<int>(std::count_if(plan_.trials.begin(), plan_.trials.end(),
                                         [&](const Trial& trial) { return !trial.practice && open(trial); }));
 }
@@ -289,14 +282,9 @@ const TrialRecord* Course::last_answer(const Trial& next) const {
 Step Course::next_step() const {
   if (auto due = left_behind()) return *due;
   if (auto due = opening()) return *due;
-  if (protocol_.task.kind == TaskKind::explore) {
-    if (auto due = instruct(Instruction::When::before_main)) return *due;
-    if (auto due = free_interaction()) return *due;
-  } else {
-    if (auto due = practise()) return *due;
-    if (auto due = instruct(Instruction::When::before_main)) return *due;
-    if (auto due = main_part()) return *due;
-  }
+  if (auto due = practise()) return *due;
+  if (auto due = instruct(Instruction::When::before_main)) return *due;
+  if (auto due = plan_.explorations.empty() ? main_part() : free_interaction()) return *due;
   if (auto due = ask({Question::When::after_session, -1, 0})) return *due;
   return step::Done{};
 }
@@ -305,7 +293,7 @@ Step Course::next_step() const {
 std::optional<Step> Course::left_behind() const {
   // The block in which the session stood begins anew, in its planned order; what was voided there without an answer
   // comes at its end, as it would have.
-  if (state_.redo_due && protocol_.task.kind != TaskKind::explore) {
+  if (state_.redo_due && plan_.explorations.empty()) {
     const auto interrupted = std::find_if(blocks_.begin(), blocks_.end(), [&](const CourseBlock& block) {
       return first_open({block.begin, block.end}) != nullptr;
     });
@@ -395,7 +383,7 @@ Step Course::present(const Trial& trial) const {
 }
 
 std::optional<Step> Course::after_block(const CourseBlock& block) const {
-  for (const CoursePage& page : pages_after(block, protocol_.task.kind))
+  for (const CoursePage& page : pages_after(block))
     if (auto due = ask(page)) return due;
   return take_break(break_after(block, protocol_), block.planned);
 }

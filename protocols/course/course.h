@@ -48,7 +48,7 @@ struct AskedPlace {
   int condition = -1;  // place in Protocol::conditions, or -1
   bool operator==(const AskedPlace&) const = default;
 };
-std::vector<CoursePage> pages_after(const CourseBlock& block, TaskKind task);
+std::vector<CoursePage> pages_after(const CourseBlock& block);
 // conditions: that the participant gets.
 std::vector<AskedPlace> questions_on(const CoursePage& page, const Protocol& protocol,
                                      const std::vector<int>& conditions);
@@ -192,7 +192,6 @@ class Course {
   std::vector<char> finished_;   // by index: answered or given up
   std::vector<char> failed_;     // by index: in SessionState::void_order
   std::vector<Tally> practice_;  // by round, from 1
-  int main_total_ = 0;
   int main_done_ = 0;
 };
 

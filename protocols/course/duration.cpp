@@ -54,7 +54,7 @@ class Counting {
     ask({Question::When::before_session, -1, 0});
     for (const CourseBlock& block : blocks) {
       if (!protocol_.explore) rest_within(block);
-      for (const CoursePage& page : pages_after(block, protocol_.task.kind)) ask(page);
+      for (const CoursePage& page : pages_after(block)) ask(page);
       rest(break_after(block, protocol_), block.planned);
     }
     ask({Question::When::after_session, -1, 0});

@@ -198,12 +198,23 @@ bool can_end_early(const AdaptiveProcedure& procedure) noexcept {
   return procedure.reversals > 0 || procedure.precision.has_value();
 }
 
+bool can_end_early(const Protocol& protocol) noexcept {
+  return protocol.design.procedure && can_end_early(*protocol.design.procedure);
+}
+
 std::string early_end_of(const AdaptiveProcedure& procedure) {
   if (procedure.precision)
     return fmt::format("a posterior standard deviation of ln JND of at most {:g}", *procedure.precision);
   if (procedure.reversals > 0)
     return fmt::format("{} reversal{}", procedure.reversals, procedure.reversals == 1 ? "" : "s");
   return {};
+}
+
+std::string early_end_note(const Protocol& protocol) {
+  if (!can_end_early(protocol)) return {};
+  const bool reversals = protocol.design.procedure->reversals > 0;
+  return fmt::format("A track that has {}{} leaves the trials that are planned for it after {}.\n",
+                     reversals ? "its " : "", early_end_of(*protocol.design.procedure), reversals ? "them" : "that");
 }
 
 std::string_view to_string(AdaptiveProcedure::Kind kind) noexcept {

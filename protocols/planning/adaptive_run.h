@@ -74,7 +74,10 @@ class AdaptiveRun {
 
 // Whether a track may end before it has all its trials, so that the number of trials is a maximum.
 bool can_end_early(const AdaptiveProcedure& procedure) noexcept;
-// What ends it then, for sentences: "8 reversals", "a posterior standard deviation of ln JND of at most 0.2"; empty where nothing does.
+bool can_end_early(const Protocol& protocol) noexcept;  // false where the levels are given
+// What becomes then of the trials that are planned for it, in a line; empty where nothing ends a track early.
+std::string early_end_note(const Protocol& protocol);
+// What ends it, for sentences: "8 reversals", "a posterior standard deviation of ln JND of at most 0.2"; empty where nothing does.
 std::string early_end_of(const AdaptiveProcedure& procedure);
 
 // "staircase", "quest", "posterior".

@@ -13,6 +13,7 @@
 #include "protocols/planning/exploration_assignment.h"
 #include "protocols/planning/order.h"
 #include "protocols/planning/plan.h"
+#include "protocols/tasks/level_source.h"
 #include "protocols/tasks/same_different_task.h"
 #include "protocols/tasks/task.h"
 
@@ -60,7 +61,7 @@ void count_arrangements(const Plan& plan, const Protocol& protocol, CohortBalanc
 }
 
 void count_trials(const Plan& plan, const Protocol& protocol, CohortBalance& balance) {
-  if (!task_of(protocol.task.kind).has_own_results()) return count_arrangements(plan, protocol, balance);
+  if (!task_of(protocol.task.kind).has_pairs()) return count_arrangements(plan, protocol, balance);
   std::vector<int> same_of_cell(balance.cells.size(), 0);
   for (const Trial& trial : plan.trials) {
     if (trial.practice) continue;
@@ -136,7 +137,7 @@ CohortBalance balance_of_cohort(const Protocol& protocol, int participants, std:
   balance.conditions = conditions_of(protocol, group);
   balance.session = session;
   balance.seed = seed;
-  if (protocol.task.kind == TaskKind::explore) {
+  if (!task_of(protocol.task.kind).has_trials()) {
     count_explorations(protocol, balance);
     return balance;
   }
@@ -184,7 +185,7 @@ CohortBalance balance_of_cohort(const Protocol& protocol, int participants, std:
 }
 
 int balanced_at(const Protocol& protocol) {
-  if (protocol.task.kind == TaskKind::explore) return ExplorationAssignment(protocol, 0).group_size();
+  if (!task_of(protocol.task.kind).has_trials()) return ExplorationAssignment(protocol, 0).group_size();
   int members = 1;
   for (int group = 0; group < group_count(protocol); ++group) {
     const OrderAssignment assignment(protocol, 0, 1,
@@ -290,12 +291,12 @@ std::string arrangements_text(const CohortBalance& balance, const Protocol& prot
 }
 
 std::string cells_text(const CohortBalance& balance, const Protocol& protocol) {
-  if (!task_of(protocol.task.kind).has_own_results()) return arrangements_text(balance, protocol);
-  std::string text = fmt::format("{}\n  {:<17}{:<17}{:>12}",
-                                 protocol.design.procedure
-                                     ? "Trials planned at most: a is a comparison that the answers set, b the reference"
-                                     : "Stimuli of the main trials, a and b being the stiffnesses of the pair",
-                                 "series", "condition", fmt::format("pair ({})", to_string(protocol.stimulus.unit)));
+  if (!task_of(protocol.task.kind).has_pairs()) return arrangements_text(balance, protocol);
+  std::string text = fmt::format(
+      "{}\n  {:<17}{:<17}{:>12}",
+      levels_given(protocol) ? "Stimuli of the main trials, a and b being the stiffnesses of the pair"
+                             : "Trials planned at most: a is a comparison that the answers set, b the reference",
+      "series", "condition", fmt::format("pair ({})", to_string(protocol.stimulus.unit)));
   for (const char* const title : {"aa", "bb", "ab", "ba"}) text += fmt::format("{:>7}", title);
   text += fmt::format("{:>20}\n", "same a participant");
   for (const CellBalance& cell : balance.cells) {
@@ -372,7 +373,7 @@ std::vector<std::vector<int>> part_of(const std::vector<std::vector<int>>& table
 }  // namespace
 
 std::string to_text(const CohortBalance& balance, const Protocol& protocol) {
-  if (protocol.task.kind == TaskKind::explore)
+  if (!balance.object_orders.empty())
     return head(balance, protocol) + explorations_text(balance, protocol) + verdict(balance, "condition and object");
   if (balance.participants == 0) return head(balance, protocol) + "Nobody is in it yet.\n";
   std::vector<Named> conditions;

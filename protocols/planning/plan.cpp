@@ -14,6 +14,7 @@
 #include "protocols/planning/order.h"
 #include "protocols/planning/run_limit.h"
 #include "protocols/random_stream.h"
+#include "protocols/tasks/level_source.h"
 #include "protocols/tasks/task.h"
 
 namespace jnd {
@@ -39,7 +40,7 @@ class Draws {
   }
 
   // A block of one condition: the cell, its classes rearranged where runs are limited.
-  std::vector<DrawnTrial> block(int series, int condition) const {
+  std::vector<DrawnTrial> block_of_condition(int series, int condition) const {
     std::vector<DrawnTrial> trials = cell(series, condition);
     if (!protocol_.design.run_limit) return trials;
     const Classes classes(trials);
@@ -51,15 +52,33 @@ class Draws {
     return trials;
   }
 
-  struct Drawn {
-    int condition = 0;
+  // A trial of a block. track: of a procedure, from 1.
+  struct Slot {
     DrawnTrial trial;
+    int condition = 0, track = 0;
   };
 
+  // All conditions where mixed, else the one given.
+  std::vector<Slot> block(int series, std::optional<int> only) const {
+    if (const auto& procedure = protocol_.design.procedure) return block_of_tracks(*procedure, series, only);
+    if (!only) return mixed_block(series);
+    std::vector<Slot> slots;
+    for (const DrawnTrial& drawn : block_of_condition(series, *only)) slots.push_back({drawn, *only});
+    return slots;
+  }
+
+  // One round of practice: as many trials of every class as can be, and where there are two trials two classes.
+  std::vector<DrawnTrial> practice(const Practice& practice, int round) const {
+    RandomStream draws = stream("practice/" + series_name(practice.series), round);
+    const Series series = practice_series(practice, protocol_);
+    return task_.draw_practice({protocol_, series, practice.trials}, draws);
+  }
+
+ private:
   // A block in which the conditions of a series take turns at random. Each condition keeps its own cell's draws.
-  std::vector<Drawn> mixed_block(int series) const {
+  std::vector<Slot> mixed_block(int series) const {
     RandomStream interleave = stream("interleave/" + series_name(series));
-    std::vector<Drawn> block;
+    std::vector<Slot> block;
     if (!protocol_.design.run_limit) {
       std::vector<int> turns;
       std::vector<std::vector<DrawnTrial>> cells;
@@ -70,7 +89,7 @@ class Draws {
       interleave.shuffle(turns);
       std::vector<std::size_t> next(cells.size(), 0);
       for (const int c : turns)
-        block.push_back({condition_at(c), cells[static_cast<std::size_t>(c)][next[static_cast<std::size_t>(c)]++]});
+        block.push_back({cells[static_cast<std::size_t>(c)][next[static_cast<std::size_t>(c)]++], condition_at(c)});
       return block;
     }
     std::vector<Classes> cells;
@@ -88,20 +107,14 @@ class Draws {
     for (const bool one : limited(one_turns.size(), other_turns.size(), classes)) {
       const int turn = one ? one_turns[one_turn++] : other_turns[other_turn++];
       const auto c = static_cast<std::size_t>(turn);
-      block.push_back({condition_at(turn), one ? cells[c].one[next_one[c]++] : cells[c].other[next_other[c]++]});
+      block.push_back({one ? cells[c].one[next_one[c]++] : cells[c].other[next_other[c]++], condition_at(turn)});
     }
     return block;
   }
 
-  struct Slot {
-    int condition = 0, track = 0;
-    DrawnTrial trial;
-  };
-
   // The slots of an adaptive procedure's tracks, in rounds: each has one slot of every track, in any order, so that no
-  // track runs ahead and none can be told from its place. All conditions where mixed, else the one given.
-  std::vector<Slot> adaptive_block(int series, std::optional<int> only) const {
-    const AdaptiveProcedure& procedure = *protocol_.design.procedure;
+  // track runs ahead and none can be told from its place.
+  std::vector<Slot> block_of_tracks(const AdaptiveProcedure& procedure, int series, std::optional<int> only) const {
     // Where there is one series the streams are named without it.
     std::string of_series;
     if (protocol_.series.size() > 1) of_series = fmt::format("{}/", series_name(series));
@@ -112,8 +125,8 @@ class Draws {
         RandomStream slots = stream(fmt::format("slots/{}{}", of_series, condition_name(condition)), track);
         tracks.emplace_back();
         for (const DrawnTrial& drawn :
-             task_.draw_track({protocol_, series_at(series), procedure.trials, protocol_.design.sampling}, slots))
-          tracks.back().push_back({condition, track, drawn});
+             task_.draw_track({protocol_, series_at(series), procedure.trials}, procedure, slots))
+          tracks.back().push_back({drawn, condition, track});
       }
     }
     RandomStream turns = stream(only ? fmt::format("tracks/{}{}", of_series, condition_name(*only))
@@ -128,23 +141,6 @@ class Draws {
     return block;
   }
 
-  // One round of practice: as many trials of every class as can be, and where there are two trials two classes.
-  std::vector<DrawnTrial> practice(const Practice& practice, int round) const {
-    RandomStream draws = stream("practice/" + series_name(practice.series), round);
-    const Series series = practice_series(practice, protocol_);
-    const bool whole = practice.trials % task_.balance_of(protocol_.task) == 0;
-    if (task_.has_own_results())
-      return with_both_classes(
-          task_.draw({protocol_, series, practice.trials, whole ? Sampling::balanced : Sampling::random}, draws),
-          series, draws);
-    const int levels = std::max(task_.cells_in(series), 1);
-    std::vector<DrawnTrial> trials =
-        task_.draw({protocol_, series, (practice.trials + levels - 1) / levels, Sampling::balanced}, draws);
-    trials.resize(std::min(trials.size(), static_cast<std::size_t>(practice.trials)));
-    return trials;
-  }
-
- private:
   // The trials of the task's first class, and the others.
   struct Classes {
     explicit Classes(const std::vector<DrawnTrial>& trials) {
@@ -152,17 +148,6 @@ class Draws {
     }
     std::vector<DrawnTrial> one, other;
   };
-
-  // Of pairs: where all are of one class by chance, one of them is turned.
-  std::vector<DrawnTrial> with_both_classes(std::vector<DrawnTrial> trials, const Series& series,
-                                            RandomStream& draws) const {
-    const Classes classes(trials);
-    if (trials.size() < 2 || (!classes.one.empty() && !classes.other.empty())) return trials;
-    DrawnTrial& turned = trials[static_cast<std::size_t>(draws.below(trials.size()))];
-    turned.stimuli[1] = turned.stimuli[1] == series.pair[0] ? series.pair[1] : series.pair[0];
-    turned.target = task_.target_of(turned.stimuli, series.standard, protocol_.task);
-    return trials;
-  }
 
   RandomStream stream(const std::string& purpose, int part = 0) const {
     return RandomStream(seed_, participant_, session_purpose(session_, purpose), static_cast<std::uint64_t>(part));
@@ -221,14 +206,6 @@ void add_practice(const Practice& practice, const std::vector<int>& own, const D
   }
 }
 
-void add_slots(const std::vector<Draws::Slot>& slots, Trial trial, TrialList& list) {
-  for (const Draws::Slot& slot : slots) {
-    trial.condition = slot.condition;
-    trial.track = slot.track;
-    list.add(trial, slot.trial);
-  }
-}
-
 }  // namespace
 
 Series practice_series(const Practice& practice, const Protocol& protocol) {
@@ -236,7 +213,7 @@ Series practice_series(const Practice& practice, const Protocol& protocol) {
   if (!practice.difference) return series;
   series.pair = {plain_sum(protocol.stimulus.reference, -*practice.difference), protocol.stimulus.reference};
   series.levels.clear();
-  for (const int side : protocol.design.procedure->sides)
+  for (const int side : sides_of_comparisons(protocol, series))
     series.levels.push_back(plain_sum(series.standard, side * *practice.difference));
   return series;
 }
@@ -250,7 +227,7 @@ Plan make_plan(const Protocol& protocol, int participant, std::uint64_t seed, in
   plan.seed = seed;
   plan.group = group_of(protocol, participant, seed);
   plan.conditions = conditions_of(protocol, plan.group);
-  if (protocol.task.kind == TaskKind::explore) {
+  if (!task_of(protocol.task.kind).has_trials()) {
     plan.explorations = ExplorationAssignment(protocol, seed, session).slots(participant);
     return plan;
   }
@@ -265,26 +242,16 @@ Plan make_plan(const Protocol& protocol, int participant, std::uint64_t seed, in
   for (std::size_t j = 0; j < plan.series_order.size(); ++j) {
     Trial trial;
     trial.series = plan.series_order[j];
-    if (protocol.design.arrangement == Arrangement::mixed) {
+    std::vector<std::optional<int>> turns = {std::nullopt};
+    if (protocol.design.arrangement == Arrangement::blocked)
+      turns.assign(plan.condition_orders[j].begin(), plan.condition_orders[j].end());
+    for (const std::optional<int> turn : turns) {
       trial.block = ++block;
-      if (protocol.design.procedure) {
-        add_slots(draws.adaptive_block(trial.series, std::nullopt), trial, list);
-        continue;
+      for (const Draws::Slot& slot : draws.block(trial.series, turn)) {
+        trial.condition = slot.condition;
+        trial.track = slot.track;
+        list.add(trial, slot.trial);
       }
-      for (const auto& drawn : draws.mixed_block(trial.series)) {
-        trial.condition = drawn.condition;
-        list.add(trial, drawn.trial);
-      }
-      continue;
-    }
-    for (const int condition : plan.condition_orders[j]) {
-      trial.block = ++block;
-      trial.condition = condition;
-      if (protocol.design.procedure) {
-        add_slots(draws.adaptive_block(trial.series, condition), trial, list);
-        continue;
-      }
-      for (const DrawnTrial& drawn : draws.block(trial.series, condition)) list.add(trial, drawn);
     }
   }
   plan.trials = std::move(list.trials);

@@ -8,6 +8,7 @@
 #include "analysis/numerics/decimal_order.h"
 #include "analysis/numerics/words.h"
 #include "protocols/planning/allotment.h"
+#include "protocols/tasks/task.h"
 
 namespace jnd {
 
@@ -57,7 +58,7 @@ PlannedJnd planned_jnd(const Protocol& protocol, std::string_view condition) {
 }
 
 bool has_precision(const Protocol& protocol) noexcept {
-  return protocol.task.kind == TaskKind::same_different && !protocol.series.empty() && !protocol.design.procedure;
+  return !protocol.series.empty() && task_of(protocol.task.kind).evidence(protocol) == Evidence::counts;
 }
 
 CountsDesign counts_design(const Protocol& protocol) {

@@ -11,7 +11,6 @@
 #include "protocols/planning/track_threshold.h"
 #include "protocols/random_stream.h"
 #include "protocols/tasks/posterior_model.h"
-#include "protocols/tasks/same_different_task.h"
 #include "protocols/tasks/task.h"
 
 namespace jnd {
@@ -26,23 +25,12 @@ double noise_of(const Series& series, const TaskPrecisionQuestion& question) {
   return kAssumedWeber * std::abs(of);
 }
 
-// Of a threshold of same-different: an observer of the response model of the Bayesian procedure, whose parameters are s, the
-// noise, and the criterion that its prior expects, so that the noise is the true JND.
-Answer answer_of_model(const Trial& trial, double criterion, double noise, RandomStream& stream) {
-  const double difference = std::abs(trial.stimuli[0] - trial.stimuli[1]);
-  const bool different = difference / noise - criterion + stream.normal() > 0;
-  return {.said = different ? kClassDifferent : kClassSame};
-}
-
 // The participant's answer to a trial, whatever looks that takes.
 std::optional<Answer> answer_to(const Trial& trial, const Protocol& protocol, double noise, RandomStream& stream) {
   const Task& task = task_of(protocol.task.kind);
-  const double sigma = noise / std::sqrt(2.0);
   Intervals now = trial.stimuli;
   for (int look = 0; look < kMostLooks; ++look) {
-    std::vector<Felt> felt;
-    for (const double stimulus : now) felt.push_back({stimulus + sigma * stream.normal(), sigma});
-    const Answer answer = task.answer(felt, trial, protocol, stream);
+    const Answer answer = task.unbiased_answer(now, trial, protocol, noise, stream);
     const std::optional<Intervals> moved = task.moved(now, answer, trial, protocol);
     if (!moved) return task.settled(answer, now);
     now = *moved;
@@ -60,16 +48,12 @@ Simulated simulated(const Protocol& protocol, int participant, const TaskPrecisi
                    std::vector<std::vector<AdaptiveTrack>>(protocol.series.size())};
   RandomStream stream(question.seed, static_cast<std::uint64_t>(participant), "precision");
   AdaptiveRun run(protocol);
-  const bool by_model = protocol.task.kind == TaskKind::same_different;  // others have a response model of their own
-  const double criterion = by_model ? assumed_criterion(protocol) : 0;
   const Plan plan = make_plan(protocol, participant, question.seed);
   for (const Trial& planned : plan.trials) {
     if (planned.practice || planned.condition != plan.conditions.front() || run.over(planned)) continue;
     const Trial trial = run.resolved(planned);
     const auto series = static_cast<std::size_t>(trial.series);
-    const double noise = noise_of(protocol.series[series], question);
-    const auto answer = by_model ? std::optional(answer_of_model(trial, criterion, noise, stream))
-                                 : answer_to(trial, protocol, noise, stream);
+    const auto answer = answer_to(trial, protocol, noise_of(protocol.series[series], question), stream);
     if (!answer) continue;
     run.answered(planned, *answer);
     result.answers[series].push_back({trial.stimuli, trial.standard, trial.target, answer->said, answer->sureness,
@@ -82,7 +66,7 @@ Simulated simulated(const Protocol& protocol, int participant, const TaskPrecisi
 }
 
 TaskEstimates estimates_of(const Simulated& participant, const Protocol& protocol, std::size_t series) {
-  if (!task_of(protocol.task.kind).has_own_results())
+  if (task_of(protocol.task.kind).evidence(protocol) == Evidence::answers)
     return measured_estimates(protocol, protocol.series[series], participant.answers[series],
                               participant.tracks[series]);
   const AdaptiveThreshold threshold = condition_threshold(participant.tracks[series], protocol);
@@ -105,10 +89,6 @@ void summarize(TaskPrecisionRow& row, const std::vector<double>& values, int par
 }
 
 }  // namespace
-
-double assumed_criterion(const Protocol& protocol) {
-  return posterior_model(protocol, protocol.series.front()).configuration.shift_prior.mean;
-}
 
 std::vector<TaskPrecisionRow> task_precision(const Protocol& protocol, const TaskPrecisionQuestion& question,
                                              const std::function<void(int)>& progress) {

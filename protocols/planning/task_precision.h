@@ -22,10 +22,6 @@ struct TaskPrecisionQuestion {
 };
 inline constexpr double kAssumedWeber = 0.2;
 
-// Where same-different answers "different": difference / noise above this criterion, plus normal noise of SD 1. It is the one
-// that the prior of the Bayesian procedure expects. protocol: of same-different with a procedure.
-double assumed_criterion(const Protocol& protocol);
-
 // One outcome of one standard. Numbers are NaN where fewer than two participants have an estimate.
 struct TaskPrecisionRow {
   int series = 0;                        // place in Protocol::series

@@ -9,7 +9,6 @@
 #include "protocols/course/prescription.h"
 #include "protocols/planning/track_threshold.h"
 #include "protocols/reading/protocol_reading.h"
-#include "protocols/tasks/task.h"
 
 namespace jnd {
 namespace {
@@ -111,8 +110,8 @@ void read_group(const JsonNode& node, JsonReader& reader, ProtocolReading& readi
   analysis.own_spreads = spreads > 1;
   if (!analysis.hierarchical) return;
   const TaskKind kind = reading.protocol.task.kind;
-  const std::optional<AnswerModel> answers = task_of(kind).answer_model(reading.protocol);
-  if (!answers && kind == TaskKind::same_different)
+  const std::optional<AnswerModel> answers = reading.task().answer_model(reading.protocol);
+  if (!answers && reading.has_pairs())
     reader.error("group", "the hierarchical model of a procedure is not of independent observation",
                  "write \"model\": \"yes-no\" or \"differencing\", or remove it");
   else if (!answers)
@@ -142,8 +141,8 @@ void read_unfinished_tracks(JsonReader& reader, ProtocolReading& reading) {
   reading.protocol.analysis.unfinished_tracks =
       reader.one_of_or<Use>("unfinished_tracks", {{"leave_out", Use::leave_out}, {"use", Use::use}}, Use::leave_out);
   const bool reversals =
-      reading.protocol.design.procedure && threshold_source(reading.protocol) == ThresholdSource::reversals;
-  if (reader.member("unfinished_tracks") != nullptr && !reversals && reading.sound("$.design.procedure"))
+      reading.procedure() != nullptr && threshold_source(reading.protocol) == ThresholdSource::reversals;
+  if (reader.member("unfinished_tracks") != nullptr && !reversals && reading.sound(kProcedurePath))
     reader.error("unfinished_tracks", "there is no staircase whose reversals are averaged", "remove it");
 }
 

@@ -8,7 +8,6 @@
 #include "protocols/input/sha256.h"
 #include "protocols/reading/participant_texts.h"
 #include "protocols/reading/protocol_reading.h"
-#include "protocols/tasks/task.h"
 
 namespace jnd {
 namespace {
@@ -29,8 +28,7 @@ void read_notes(const JsonNode& list, ProtocolReading& reading) {
 // The tasks that this program has.
 JsonReader::Words<TaskKind> task_words() {
   JsonReader::Words<TaskKind> words;
-  for (const TaskKind kind : all_tasks()) words.emplace_back(to_string(kind), kind);
-  words.emplace_back(to_string(TaskKind::explore), TaskKind::explore);
+  for (const Task* task : all_tasks()) words.emplace_back(to_string(task->kind()), task->kind());
   return words;
 }
 

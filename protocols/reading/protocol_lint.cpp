@@ -119,11 +119,11 @@ void lint_adaptive(ProtocolReading& reading) {
   if (one_series && design.per_series && reading.sound("$.design.per_series"))
     reading.error_at("$.design.per_series", "there are no series that could change the order beside a procedure",
                      "remove it");
-  if (!reading.sound("$.design.procedure") || !reading.sound("$.conditions") || !reading.sound("$.groups")) return;
+  if (!reading.sound(kProcedurePath) || !reading.sound("$.conditions") || !reading.sound("$.groups")) return;
   const int total = design.trials_per_cell * static_cast<int>(most_conditions(reading.protocol)) *
                     static_cast<int>(std::max<std::size_t>(reading.protocol.series.size(), 1));
   if (total > kMostTrialsOfSession)
-    reading.error_at("$.design.procedure.stop",
+    reading.error_at(procedure_path("stop"),
                      fmt::format("a session could have {} trials, catch trials among them", total),
                      fmt::format("at most {} are possible", kMostTrialsOfSession));
 }
@@ -131,17 +131,9 @@ void lint_adaptive(ProtocolReading& reading) {
 void lint_trials(ProtocolReading& reading) {
   const Protocol& protocol = reading.protocol;
   const Design& design = protocol.design;
-  if (design.procedure) return lint_adaptive(reading);
+  if (reading.procedure() != nullptr) return lint_adaptive(reading);
   const bool counts = reading.sound("$.design.trials_per_cell");
   const bool sampling = reading.sound("$.design.sampling");
-  if (reading.has_pairs() && counts && sampling && design.sampling == Sampling::balanced &&
-      design.trials_per_cell % 4 != 0) {
-    const int below = design.trials_per_cell / 4 * 4;
-    reading.error_at("$.design.trials_per_cell",
-                     fmt::format("{} trials cannot hold the four pairs equally often", design.trials_per_cell),
-                     below == 0 ? "balanced sampling needs a multiple of 4: 4"
-                                : fmt::format("balanced sampling needs a multiple of 4: {} or {}", below, below + 4));
-  }
   if (design.run_limit && sampling && design.sampling == Sampling::random) {
     reading.error_at("$.design.run_limit", "a run limit changes P(same) of independent random draws",
                      "remove it, or write \"sampling\": \"balanced\"");

@@ -68,7 +68,7 @@ struct ShiftKeys {
   std::string_view own, other;
 };
 ShiftKeys shift_keys(const ProtocolReading& reading) {
-  const bool which = task_of(reading.protocol.task.kind).posterior_task() == PosteriorTask::which;
+  const bool which = reading.task().posterior_task() == PosteriorTask::which;
   return which ? ShiftKeys{"pse_offset", "k"} : ShiftKeys{"k", "pse_offset"};
 }
 
@@ -99,7 +99,7 @@ void read_prior(const JsonNode& node, PosteriorConfiguration& given, ProtocolRea
 }
 
 // A choice looks through all probabilities, and every track keeps them; they are as many in every series.
-bool look_at_size(ProtocolReading& reading) {
+bool look_at_size(const AdaptiveProcedure& procedure, ProtocolReading& reading) {
   const Protocol& protocol = reading.protocol;
   const PosteriorConfiguration c = posterior_model(protocol, protocol.series.front()).configuration;
   const std::size_t observers = c.ln_s.size() * c.shift.size() * c.lapse.size();
@@ -107,12 +107,12 @@ bool look_at_size(ProtocolReading& reading) {
   const std::size_t tracks = protocol.series.size() * protocol.conditions.size();
   if (cells > kMostCellsOfChoice)
     reading.error_at(
-        limits_path(*protocol.design.procedure),
+        limits_path(procedure),
         fmt::format("{} levels for {} observers of the grid: a choice takes too long", c.levels.size(), observers),
         fmt::format("levels times observers are at most {}: fewer levels, or a coarser grid", kMostCellsOfChoice));
   else if (cells * tracks > kMostPosteriorCells)
     reading.error_at(
-        limits_path(*protocol.design.procedure),
+        limits_path(procedure),
         fmt::format("{} tracks with {} probabilities each are more than {}", tracks, cells, kMostPosteriorCells),
         "take fewer levels, or a coarser grid");
   else
@@ -121,8 +121,8 @@ bool look_at_size(ProtocolReading& reading) {
 }
 
 // Whether the levels of one series, its grid and its prior make a model; says so where they do not.
-bool look_at_model(const JsonNode& node, const Series& series, ProtocolReading& reading) {
-  const AdaptiveProcedure& procedure = *reading.protocol.design.procedure;
+bool look_at_model(const JsonNode& node, const Series& series, const AdaptiveProcedure& procedure,
+                   ProtocolReading& reading) {
   if (!(series.standard > 0) && !names_whole_model(procedure.posterior)) {
     reading.error(node,
                   fmt::format("the default grid and prior grow with the standard, and {} is {}", series.name,
@@ -182,19 +182,18 @@ void read_response_model(JsonReader& reader, AdaptiveProcedure& procedure, Proto
   if (const JsonNode* prior = reader.object_or_null("prior")) read_prior(*prior, given, reading);
 }
 
-void lint_response_model(const JsonNode& node, ProtocolReading& reading) {
+void lint_response_model(const JsonNode& node, const AdaptiveProcedure& procedure, ProtocolReading& reading) {
   const Protocol& protocol = reading.protocol;
   if (!reading.sound(node.path) || !reading.sound("$.standards") || !reading.sound("$.stimulus") ||
-      !task_of(protocol.task.kind).posterior_task())
+      !reading.task().posterior_task())
     return;
-  if (protocol.series.empty() || !look_at_size(reading)) return;
+  if (protocol.series.empty() || !look_at_size(procedure, reading)) return;
   for (const Series& series : protocol.series)
-    if (!look_at_model(node, series, reading)) return;
+    if (!look_at_model(node, series, procedure, reading)) return;
 }
 
-void warn_about_response_model(ProtocolReading& reading) {
+void warn_about_response_model(const AdaptiveProcedure& procedure, ProtocolReading& reading) {
   const Protocol& protocol = reading.protocol;
-  const AdaptiveProcedure& procedure = *protocol.design.procedure;
   for (const Series& series : protocol.series) {
     const double expected = std::exp(posterior_model(protocol, series).configuration.ln_s_prior.mean);
     if (procedure.clamp[1] >= expected) continue;

@@ -11,12 +11,9 @@
 #include "protocols/reading/protocol_reading.h"
 #include "protocols/tasks/catch_trials.h"
 #include "protocols/tasks/posterior_model.h"
-#include "protocols/tasks/task.h"
 
 namespace jnd {
 namespace {
-
-constexpr std::string_view kPath = "$.design.procedure";
 
 std::string_view unit_of(const ProtocolReading& reading) {
   return to_string(reading.protocol.stimulus.unit);
@@ -209,11 +206,11 @@ constexpr double kPosteriorCatchShare = 1.0 / 3;
 }  // namespace
 
 std::string procedure_path(std::string_view member) {
-  return fmt::format("{}.{}", kPath, member);
+  return fmt::format("{}.{}", kProcedurePath, member);
 }
 
 bool ProtocolReading::adaptive() const {
-  return node_at(root, kPath) != nullptr;
+  return node_at(root, kProcedurePath) != nullptr;
 }
 
 void read_procedure(const JsonNode& node, ProtocolReading& reading) {
@@ -251,7 +248,7 @@ void read_procedure(const JsonNode& node, ProtocolReading& reading) {
     refuse(reader, "posterior", kThresholdKeys);
   }
   read_stop(reader, procedure, reading);
-  const Task& task = task_of(reading.protocol.task.kind);
+  const Task& task = reading.task();
   if (!task.has_procedures())
     reading.error(node,
                   fmt::format("the task {} has no levels that answers could set", in_quotes(to_string(task.kind()))),
@@ -292,8 +289,8 @@ void read_procedure(const JsonNode& node, ProtocolReading& reading) {
                         {plain_sum(protocol.stimulus.reference, -procedure.clamp[1]), protocol.stimulus.reference},
                         protocol.stimulus.reference}};
   protocol.design.procedure = procedure;
-  protocol.design.trials_per_cell = task.trials_of_cell(protocol, {});
-  if (has_posterior_threshold(protocol)) lint_response_model(node, reading);
+  protocol.design.trials_per_cell = trials_of_cell(protocol, Series());
+  if (has_posterior_threshold(protocol)) lint_response_model(node, procedure, reading);
 }
 
 // What would keep the levels from moving, or the threshold from being one.
@@ -375,18 +372,30 @@ void warn_about_quest(ProtocolReading& reading, const AdaptiveProcedure& procedu
   }
 }
 
+// Values that are above 0 in the standard are seldom meant to go below.
+void warn_about_negative_comparisons(ProtocolReading& reading, const AdaptiveProcedure& procedure) {
+  if (reading.has_pairs() || procedure.kind == AdaptiveProcedure::Kind::posterior) return;
+  for (const Series& series : reading.protocol.series)
+    for (const int side : procedure.sides)
+      if (series.standard > 0 && series.standard + side * procedure.clamp[1] < 0)
+        return reading.warn_at(
+            procedure_path("clamp"),
+            fmt::format("a comparison {:g} below the standard {:g} is below 0", procedure.clamp[1], series.standard),
+            "end the clamp at the standard, or before it");
+}
+
 }  // namespace
 
-void warn_about_procedure(ProtocolReading& reading) {
-  const AdaptiveProcedure& procedure = *reading.protocol.design.procedure;
+void warn_about_procedure(const AdaptiveProcedure& procedure, ProtocolReading& reading) {
   if (procedure.kind == AdaptiveProcedure::Kind::staircase) warn_about_staircase(reading, procedure);
   if (procedure.kind == AdaptiveProcedure::Kind::quest) warn_about_quest(reading, procedure);
-  if (has_posterior_threshold(reading.protocol)) warn_about_response_model(reading);
+  if (has_posterior_threshold(reading.protocol)) warn_about_response_model(procedure, reading);
+  warn_about_negative_comparisons(reading, procedure);
   if (procedure.trials < kFewTrials)
     reading.warn_at(procedure_path(can_end_early(procedure) ? "stop.at_most" : "stop.trials"),
                     fmt::format("{} trials with a difference a track are few", procedure.trials),
                     fmt::format("plan {} or more", kFewTrials));
-  if (procedure.catch_share == 0 && task_of(reading.protocol.task.kind).has_catch_trials())
+  if (procedure.catch_share == 0 && reading.task().has_catch_trials())
     reading.warn_at(procedure_path("catch_share"),
                     "without catch trials there is no false-alarm rate: who always says \"different\" reaches the "
                     "lowest level, and d' cannot be computed",

@@ -11,6 +11,7 @@
 
 #include "protocols/input/json_reader.h"
 #include "protocols/protocol.h"
+#include "protocols/tasks/task.h"
 
 namespace jnd {
 
@@ -24,12 +25,17 @@ struct ProtocolReading {
   bool sound(std::string_view path) const { return is_sound(errors, path); }
   // Has the rig's device been read, so that what depends on it can be checked?
   bool knows_rig() const { return !protocol.rig.device.empty() && sound("$.rig.device"); }
+  const Task& task() const { return task_of(protocol.task.kind); }
   // Do the answers set the levels? Then there are no series in the file.
   bool adaptive() const;
-  // Pairs that are the same or different, as this program had them first: series instead of standards and levels.
-  bool has_pairs() const { return protocol.task.kind == TaskKind::same_different; }
+  // The procedure, once it has been read; else null.
+  const AdaptiveProcedure* procedure() const {
+    return protocol.design.procedure ? &*protocol.design.procedure : nullptr;
+  }
+  // Are there series of pairs instead of standards and levels?
+  bool has_pairs() const { return task().has_pairs(); }
   // Free interaction instead of trials? What belongs to trials has then no meaning.
-  bool explores() const { return protocol.task.kind == TaskKind::explore; }
+  bool explores() const { return !task().has_trials(); }
   void error(const JsonNode& at, std::string message, std::string suggestion = "") {
     errors.push_back(diagnostic_at(at, file, std::move(message), std::move(suggestion)));
   }
@@ -82,8 +88,9 @@ void read_procedure(const JsonNode& node, ProtocolReading& reading);
 // series are known, whether that makes a model.
 void read_posterior(JsonReader& reader, AdaptiveProcedure& procedure, ProtocolReading& reading);
 void read_response_model(JsonReader& reader, AdaptiveProcedure& procedure, ProtocolReading& reading);
-void lint_response_model(const JsonNode& node, ProtocolReading& reading);
-void warn_about_response_model(ProtocolReading& reading);
+void lint_response_model(const JsonNode& node, const AdaptiveProcedure& procedure, ProtocolReading& reading);
+void warn_about_response_model(const AdaptiveProcedure& procedure, ProtocolReading& reading);
+inline constexpr std::string_view kProcedurePath = "$.design.procedure";
 // The path of one of its members.
 std::string procedure_path(std::string_view member);
 // Where a file says how far the levels of its procedure reach.
@@ -135,7 +142,7 @@ void read_analysis(const JsonNode& node, ProtocolReading& reading);
 void lint_protocol(ProtocolReading& reading);
 // protocol_warnings.cpp: what a reviewer would ask about. Only for protocols without errors.
 void warn_about_protocol(ProtocolReading& reading);
-// Levels that could hardly move. Only with a procedure.
-void warn_about_procedure(ProtocolReading& reading);
+// Levels that could hardly move, or go below 0.
+void warn_about_procedure(const AdaptiveProcedure& procedure, ProtocolReading& reading);
 
 }  // namespace jnd

@@ -7,7 +7,7 @@
 
 #include "analysis/numerics/decimal_order.h"
 #include "protocols/reading/protocol_reading.h"
-#include "protocols/tasks/task.h"
+#include "protocols/tasks/level_source.h"
 
 namespace jnd {
 namespace {
@@ -132,8 +132,8 @@ void refuse_member(JsonReader& reader, std::string_view key, const std::string& 
 void lint_specimens(ProtocolReading& reading) {
   const Protocol& protocol = reading.protocol;
   if (!reading.sound("$.rig")) return;
-  if (protocol.design.procedure)
-    reading.error_at("$.design.procedure", "specimens have fixed values: answers cannot set the levels",
+  if (reading.procedure() != nullptr)
+    reading.error_at(kProcedurePath, "specimens have fixed values: answers cannot set the levels",
                      "give constant levels");
   const int intervals = task_of(protocol.task.kind).intervals(protocol.task);
   const auto look = [&](double value, std::size_t needed) {
@@ -236,22 +236,11 @@ void read_comparisons(JsonReader& outer, ProtocolReading& reading) {
   reading.protocol.series.push_back(std::move(series));
 }
 
-// Those that the clamp allows at most.
-std::vector<double> furthest_comparisons(const AdaptiveProcedure& procedure, double standard) {
-  if (procedure.sides.front() == 0) return {procedure.clamp.begin(), procedure.clamp.end()};
-  std::vector<double> comparisons;
-  for (const int side : procedure.sides) comparisons.push_back(plain_sum(standard, side * procedure.clamp[1]));
-  return comparisons;
-}
-
 void set_extremes(Protocol& protocol) {
   const bool standard = task_of(protocol.task.kind).has_standard() || protocol.task.modulus.has_value();
   for (Series& series : protocol.series) {
-    std::vector<double> values = series.levels;
+    std::vector<double> values = extreme_comparisons(protocol, series);
     if (standard) values.push_back(series.standard);
-    if (protocol.design.procedure)
-      for (const double comparison : furthest_comparisons(*protocol.design.procedure, series.standard))
-        values.push_back(comparison);
     if (values.empty()) continue;
     const auto [least, greatest] = std::minmax_element(values.begin(), values.end());
     series.pair = {*least, *greatest};
@@ -265,14 +254,18 @@ void lint_task(ProtocolReading& reading) {
   const Protocol& protocol = reading.protocol;
   const Task& task = task_of(protocol.task.kind);
   const Design& design = protocol.design;
-  const int balance = reading.has_pairs() ? 1 : task.balance_of(protocol.task);  // of pairs: lint_trials
+  const int balance = task.balance_of(protocol.task);
   const bool counts = reading.sound("$.design.trials_per_cell") && reading.sound("$.design.sampling");
-  if (!design.procedure && counts && design.sampling == Sampling::balanced && design.trials_per_cell % balance != 0) {
+  if (levels_given(protocol) && counts && design.sampling == Sampling::balanced &&
+      design.trials_per_cell % balance != 0) {
     const int below = design.trials_per_cell / balance * balance;
     reading.error_at(
         "$.design.trials_per_cell",
-        fmt::format("{} trials of each level cannot hold its {} orders equally often", design.trials_per_cell, balance),
-        below == 0
+        reading.has_pairs() ? fmt::format("{} trials cannot hold the four pairs equally often", design.trials_per_cell)
+                            : fmt::format("{} trials of each level cannot hold its {} orders equally often",
+                                          design.trials_per_cell, balance),
+        below == 0 && reading.has_pairs() ? "balanced sampling needs a multiple of 4: 4"
+        : below == 0
             ? fmt::format("balanced sampling needs a multiple of {}", balance)
             : fmt::format("balanced sampling needs a multiple of {}: {} or {}", balance, below, below + balance));
   }
@@ -284,13 +277,14 @@ void lint_task(ProtocolReading& reading) {
                        fmt::format("a level equals the standard, {}", plain(series.standard)),
                        "there is no correct answer to it: remove it");
   }
-  if (design.procedure && !reading.has_pairs() && reading.sound("$.design.procedure")) {
+  if (const AdaptiveProcedure* procedure = reading.procedure();
+      procedure != nullptr && !reading.has_pairs() && reading.sound(kProcedurePath)) {
     const NumberLimits limits = value_limits(protocol);
     for (const Series& series : protocol.series) {
-      for (const double furthest : furthest_comparisons(*design.procedure, series.standard)) {
+      for (const double furthest : extreme_comparisons(protocol, series)) {
         if (furthest < limits.min || furthest > limits.max)
           reading.error_at(
-              limits_path(*design.procedure),
+              limits_path(*procedure),
               fmt::format("a comparison {} from the standard {} would have {} {}",
                           plain(plain_sum(furthest, -series.standard)), plain(series.standard), plain(furthest),
                           limits.unit),

@@ -140,19 +140,6 @@ void warn_about_parameters(ProtocolReading& reading) {
   }
 }
 
-// Values that are above 0 in the standard are seldom meant to go below.
-void warn_about_negative_comparisons(ProtocolReading& reading) {
-  const auto& procedure = reading.protocol.design.procedure;
-  if (!procedure || reading.has_pairs() || procedure->kind == AdaptiveProcedure::Kind::posterior) return;
-  for (const Series& series : reading.protocol.series)
-    for (const int side : procedure->sides)
-      if (series.standard > 0 && series.standard + side * procedure->clamp[1] < 0)
-        return reading.warn_at(
-            "$.design.procedure.clamp",
-            fmt::format("a comparison {:g} below the standard {:g} is below 0", procedure->clamp[1], series.standard),
-            "end the clamp at the standard, or before it");
-}
-
 // Orders; and where each number has its group in turn, groups of one size.
 void warn_about_cohort(ProtocolReading& reading) {
   const Protocol& protocol = reading.protocol;
@@ -191,15 +178,13 @@ void warn_about_session(ProtocolReading& reading) {
 }  // namespace
 
 void warn_about_protocol(ProtocolReading& reading) {
-  if (reading.protocol.design.procedure) {
-    warn_about_procedure(reading);
-  } else if (reading.has_pairs()) {
+  if (const AdaptiveProcedure* procedure = reading.procedure()) warn_about_procedure(*procedure, reading);
+  if (has_precision(reading.protocol)) {
     warn_about_counts(reading);
-    if (has_precision(reading.protocol)) warn_about_precision(reading);
+    warn_about_precision(reading);
     warn_about_draws(reading);
   }
   warn_about_parameters(reading);
-  warn_about_negative_comparisons(reading);
   warn_about_letters(reading);
   warn_about_given_groups(reading);
   warn_about_cohort(reading);

@@ -21,6 +21,7 @@ struct DeviceLinting {
   const RigSpec& rig;
   const std::string& file;
   JsonNode root;
+  const AdaptiveProcedure* procedure = nullptr;  // null where the levels are given
   DeviceLint lint = {};
 
   void error(const std::string& path, std::string message, std::string suggestion);
@@ -144,8 +145,7 @@ void look_at_pair(DeviceLinting& linting, std::size_t series, const Condition& c
 }
 
 // The smaller levels of an adaptive procedure, down to where the clamp ends: a track that gets there gets no further.
-void look_at_levels(DeviceLinting& linting, const Condition& condition) {
-  const AdaptiveProcedure& procedure = *linting.protocol.design.procedure;
+void look_at_levels(DeviceLinting& linting, const AdaptiveProcedure& procedure, const Condition& condition) {
   const double reference = linting.protocol.stimulus.reference;
   const auto alike_at = [&](double level) { return alike_in(linting, {reference - level, reference}, condition); };
   if (!alike_at(procedure.clamp[1]).reason.empty()) return;  // told as an error of the pair
@@ -159,10 +159,10 @@ void look_at_levels(DeviceLinting& linting, const Condition& condition) {
                  alike.remedy);
   };
   const bool chooses = procedure.kind == AdaptiveProcedure::Kind::posterior;  // among levels, without starts
-  tell(procedure.clamp[0], chooses ? linting.series_path() : linting.series_path() + "[0]", false);
+  tell(procedure.clamp[0], chooses ? limits_path(procedure) : limits_path(procedure) + "[0]", false);
   if (chooses) return;
   for (std::size_t i = 0; i < procedure.starts.size(); ++i)
-    tell(procedure.starts[i], fmt::format("$.design.procedure.starts[{}]", i), true);
+    tell(procedure.starts[i], fmt::format("{}[{}]", procedure_path("starts"), i), true);
 }
 
 void warn_about_forces(DeviceLinting& linting, const DeviceSpec& spec) {
@@ -224,9 +224,8 @@ std::set<double> DeviceLinting::stiffnesses() const {
     all.insert(series.pair.begin(), series.pair.end());
     all.insert(series.levels.begin(), series.levels.end());
   }
-  if (protocol.design.procedure)
-    for (const double start : protocol.design.procedure->starts)
-      all.insert(plain_sum(protocol.stimulus.reference, -start));
+  if (procedure != nullptr)
+    for (const double start : procedure->starts) all.insert(plain_sum(protocol.stimulus.reference, -start));
   if (protocol.explore) all.insert(protocol.stimulus.reference);
   return all;
 }
@@ -240,27 +239,21 @@ std::string DeviceLinting::press_path() const {
 }
 
 std::string DeviceLinting::series_path() const {
-  if (protocol.explore) return "$.stimulus.reference";
-  if (protocol.design.procedure)
-    return protocol.design.procedure->kind == AdaptiveProcedure::Kind::posterior ? "$.design.procedure.levels"
-                                                                                 : "$.design.procedure.clamp";
-  if (protocol.task.kind == TaskKind::same_different) return "$.series";
-  return protocol.task.kind == TaskKind::identify ? "$.classes" : "$.levels";
+  if (procedure != nullptr) return limits_path(*procedure);
+  return std::string(task_of(protocol.task.kind).values_path());
 }
 
 std::string DeviceLinting::pair_path(std::size_t series) const {
-  const bool pairs = protocol.task.kind == TaskKind::same_different && !protocol.design.procedure;
-  return pairs ? fmt::format("$.series[{}].pair", series) : series_path();
+  const bool pairs = task_of(protocol.task.kind).has_pairs() && procedure == nullptr;
+  return pairs ? fmt::format("{}[{}].pair", series_path(), series) : series_path();
 }
 
 // The pair of a procedure is the comparison of the largest level, and the reference.
 std::string DeviceLinting::stiffness_path(std::size_t series, std::size_t of_pair) const {
-  if (!protocol.design.procedure && protocol.task.kind == TaskKind::same_different)
-    return fmt::format("{}[{}]", pair_path(series), of_pair);
-  if (protocol.task.kind != TaskKind::same_different) return series_path();
+  if (!task_of(protocol.task.kind).has_pairs()) return series_path();
+  if (procedure == nullptr) return fmt::format("{}[{}]", pair_path(series), of_pair);
   if (of_pair != 0) return "$.stimulus.reference";
-  const bool clamps = protocol.design.procedure->kind != AdaptiveProcedure::Kind::posterior;
-  return clamps ? series_path() + "[1]" : series_path();
+  return procedure->kind == AdaptiveProcedure::Kind::posterior ? series_path() : series_path() + "[1]";
 }
 
 std::string DeviceLinting::objects(bool plural) const {
@@ -429,14 +422,15 @@ double needed_damping(double stiffness, double viscosity) noexcept {
 }
 
 DeviceLint lint_against_device(const Protocol& protocol, const RigSpec& rig, const std::string& file) {
-  DeviceLinting linting{protocol, rig, file, protocol.bytes.empty() ? JsonNode{} : parse_json(protocol.bytes, file)};
+  DeviceLinting linting{protocol, rig, file, protocol.bytes.empty() ? JsonNode{} : parse_json(protocol.bytes, file),
+                        protocol.design.procedure ? &*protocol.design.procedure : nullptr};
   for (std::size_t i = 0; i < protocol.series.size(); ++i) {
     look_at_limits(linting, i);
     for (const Condition& condition : protocol.conditions) look_at_pair(linting, i, condition);
   }
   if (protocol.explore) look_at_platform_limit(linting, protocol.stimulus.reference, linting.series_path());
-  if (protocol.design.procedure)
-    for (const Condition& condition : protocol.conditions) look_at_levels(linting, condition);
+  if (linting.procedure != nullptr)
+    for (const Condition& condition : protocol.conditions) look_at_levels(linting, *linting.procedure, condition);
   look_at_taps(linting);
   lint_travel(linting);
   lint_mode(linting);

@@ -10,6 +10,14 @@
 
 namespace jnd {
 
+TaskStart AbxTask::start() const {
+  return {.asks = "Was the third like the first or like the second?",
+          .keys = R"({"A": "a", "B": "b"})",
+          .levels = {1.2, 1.35, 1.5},
+          .trials_per_cell = 24,
+          .analysis = R"({"outcome": "jnd"})"};
+}
+
 void AbxTask::read(JsonReader&, TaskSpec& spec) const {
   spec.classes = {"A", "B"};
 }
@@ -35,10 +43,11 @@ std::vector<DrawnTrial> AbxTask::draw(const CellDraw& cell, RandomStream& stream
   return trials;
 }
 
-std::vector<DrawnTrial> AbxTask::draw_track(const CellDraw& track, RandomStream& stream) const {
+std::vector<DrawnTrial> AbxTask::draw_track(const CellDraw& track, const AdaptiveProcedure& procedure,
+                                            RandomStream& stream) const {
   const double standard = track.series.standard;
   std::vector<DrawnTrial> block;
-  for (const int side : track.protocol.design.procedure->sides) {
+  for (const int side : procedure.sides) {
     const std::vector<DrawnTrial> both = arrangements_of(standard, set_by_answers(standard), side);
     block.insert(block.end(), both.begin(), both.end());
   }

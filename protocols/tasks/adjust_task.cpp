@@ -38,6 +38,14 @@ std::vector<double> starts_on(int side, const Series& series, double start) {
 
 }  // namespace
 
+TaskStart AdjustTask::start() const {
+  return {.asks = "Less, more, or alike?",
+          .keys = R"({"less": "1", "more": "2", "accept": "0"})",
+          .levels = {0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.2, 1.3, 1.4, 1.5},
+          .trials_per_cell = 10,
+          .analysis = R"({"outcome": "jnd"})"};
+}
+
 void AdjustTask::read(JsonReader& section, TaskSpec& spec) const {
   spec.together = section.one_of_or<bool>("presentation", {{"sequential", false}, {"side-by-side", true}}, false);
   spec.start = section.number_or("start", 0.5, {.min = 0, .max = 1});

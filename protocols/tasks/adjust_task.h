@@ -14,6 +14,7 @@ class AdjustTask final : public Task {
  public:
   TaskKind kind() const noexcept override { return TaskKind::adjust; }
   std::string_view summary() const noexcept override { return "a value is adjusted until it feels like the standard"; }
+  TaskStart start() const override;
   void read(JsonReader& section, TaskSpec& spec) const override;
   std::vector<TaskProblem> problems(const Protocol& protocol) const override;
   bool level_may_be_standard() const noexcept override { return true; }

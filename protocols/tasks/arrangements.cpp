@@ -33,8 +33,7 @@ std::vector<Intervals> orders_of(double standard, double comparison, bool standa
 }
 
 std::string_view how_often(const Protocol& protocol) {
-  const Design& design = protocol.design;
-  return design.procedure || design.sampling == Sampling::balanced ? "equally often" : "at random";
+  return protocol.design.sampling == Sampling::balanced ? "equally often" : "at random";
 }
 
 std::vector<TaskProblem> problems_of_places(const Protocol& protocol) {

@@ -10,6 +10,14 @@
 
 namespace jnd {
 
+TaskStart IdentifyTask::start() const {
+  return {.asks = "Which one was it?",
+          .levels = {0.5, 0.8, 1.15, 1.5},
+          .levels_are = "Values of the classes",
+          .trials_per_cell = 15,
+          .analysis = R"({"outcome": "information"})"};
+}
+
 // Its classes are read with the levels: each has a name and a value.
 void IdentifyTask::read(JsonReader&, TaskSpec&) const {}
 

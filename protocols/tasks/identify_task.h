@@ -12,6 +12,8 @@ class IdentifyTask final : public Task {
  public:
   TaskKind kind() const noexcept override { return TaskKind::identify; }
   std::string_view summary() const noexcept override { return "one interval: which of N named values was it?"; }
+  std::string_view values_path() const noexcept override { return "$.classes"; }
+  TaskStart start() const override;
   void read(JsonReader& section, TaskSpec& spec) const override;
   bool has_standard() const noexcept override { return false; }
   int balance_of(const TaskSpec&) const noexcept override { return 1; }

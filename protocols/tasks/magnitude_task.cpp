@@ -24,6 +24,14 @@ double rounded_to_two_digits(double value) {
 
 }  // namespace
 
+TaskStart MagnitudeTask::start() const {
+  return {.asks = "How stiff was it?",
+          .asks_of_other = "How much {} was it?",
+          .levels = {0.5, 0.7, 0.85, 1.15, 1.3, 1.5},
+          .trials_per_cell = 6,
+          .analysis = R"({"outcome": "exponent"})"};
+}
+
 void MagnitudeTask::read(JsonReader& section, TaskSpec& spec) const {
   spec.modulus = section.optional_number("modulus", {.min = 0.001, .max = 1e6});
   spec.number_min = section.number_or("lowest", 0, {.min = 0, .max = 1e6});

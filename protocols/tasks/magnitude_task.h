@@ -12,6 +12,7 @@ class MagnitudeTask final : public Task {
  public:
   TaskKind kind() const noexcept override { return TaskKind::magnitude; }
   std::string_view summary() const noexcept override { return "one interval: a number for how much it was"; }
+  TaskStart start() const override;
   void read(JsonReader& section, TaskSpec& spec) const override;
   bool has_standard() const noexcept override { return false; }
   int balance_of(const TaskSpec&) const noexcept override { return 1; }

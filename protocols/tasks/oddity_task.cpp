@@ -7,9 +7,18 @@
 
 #include "protocols/input/json_reader.h"
 #include "protocols/tasks/arrangements.h"
+#include "protocols/tasks/level_source.h"
 #include "protocols/tasks/task_estimates.h"
 
 namespace jnd {
+
+TaskStart OddityTask::start() const {
+  return {.asks = "Which was the odd one?",
+          .keys = R"({"first": "1", "second": "2", "third": "3"})",
+          .levels = {1.2, 1.35, 1.5},
+          .trials_per_cell = 24,
+          .analysis = R"({"outcome": "jnd"})"};
+}
 
 void OddityTask::read(JsonReader& section, TaskSpec& spec) const {
   enum class Odd { either, greater, lesser };
@@ -32,8 +41,8 @@ std::vector<TaskProblem> OddityTask::problems(const Protocol& protocol) const {
                             fmt::format("the odd one is to be the {}, and {:g} is not {} the standard, {:g}", word,
                                         level, side, series.standard),
                             fmt::format("give levels {} it, or \"odd\": \"either\"", side)});
-  if (const auto& procedure = protocol.design.procedure)
-    for (const int of : procedure->sides)
+  if (!levels_given(protocol))
+    for (const int of : sides_of_comparisons(protocol, {}))
       if ((of > 0) != protocol.task.greater)
         problems.push_back({"$.design.procedure.side", fmt::format("the odd one is to be the {}", word),
                             fmt::format("write \"{}\", or \"odd\": \"either\" in the task", side)});
@@ -66,10 +75,11 @@ std::vector<DrawnTrial> OddityTask::draw(const CellDraw& cell, RandomStream& str
   return trials;
 }
 
-std::vector<DrawnTrial> OddityTask::draw_track(const CellDraw& track, RandomStream& stream) const {
+std::vector<DrawnTrial> OddityTask::draw_track(const CellDraw& track, const AdaptiveProcedure& procedure,
+                                               RandomStream& stream) const {
   const double standard = track.series.standard;
   std::vector<DrawnTrial> block;
-  for (const int side : track.protocol.design.procedure->sides) {
+  for (const int side : procedure.sides) {
     const std::vector<DrawnTrial> triads = triads_of(standard, set_by_answers(standard), track.protocol.task, side);
     block.insert(block.end(), triads.begin(), triads.end());
   }

@@ -7,8 +7,12 @@
 #include <stdexcept>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "protocols/tasks/abx_task.h"
 #include "protocols/tasks/adjust_task.h"
+#include "protocols/tasks/catch_trials.h"
+#include "protocols/tasks/explore_task.h"
 #include "protocols/tasks/identify_task.h"
 #include "protocols/tasks/magnitude_task.h"
 #include "protocols/tasks/oddity_task.h"
@@ -18,21 +22,62 @@
 
 namespace jnd {
 
-std::vector<DrawnTrial> Task::draw_track(const CellDraw&, RandomStream&) const {
+std::string Task::without_model(const Protocol&) const {
+  return fmt::format("the task \"{}\"", to_string(kind()));
+}
+
+std::vector<DrawnTrial> Task::draw_track(const CellDraw&, const AdaptiveProcedure&, RandomStream&) const {
   throw std::logic_error("a task without procedures has no tracks");
 }
 
-int Task::trials_of_cell(const Protocol& protocol, const Series& series) const {
-  const Design& design = protocol.design;
-  if (design.procedure) return design.procedure->trials * static_cast<int>(design.procedure->starts.size());
-  return design.trials_per_cell * cells_in(series);
+std::vector<DrawnTrial> Task::draw_practice(const CellDraw& round, RandomStream& stream) const {
+  const int levels = std::max(cells_in(round.series), 1);
+  std::vector<DrawnTrial> trials =
+      draw({round.protocol, round.series, (round.trials + levels - 1) / levels, Sampling::balanced}, stream);
+  trials.resize(std::min(trials.size(), static_cast<std::size_t>(round.trials)));
+  return trials;
+}
+
+int Task::trials_of_levels(const Protocol& protocol, const Series& series) const {
+  return protocol.design.trials_per_cell * cells_in(series);
+}
+
+std::string Task::cells_text(const Protocol& protocol) const {
+  const int each = protocol.design.trials_per_cell, cells = cells_in(protocol.series.front());
+  std::string text;
+  if (has_standard()) text += counted_words(protocol.series.size(), "standard") + " x ";
+  bool alike = true;
+  int of_cells = 0, all = 0;
+  for (const Series& series : protocol.series) {
+    alike = alike && cells_in(series) == cells;
+    of_cells += cells_in(series) * each;
+    all += trials_of_levels(protocol, series);
+  }
+  if (!alike)
+    text += "their levels x ";
+  else if (cells > 1)
+    text += fmt::format("{} {} x ", cells, protocol.task.class_values.empty() ? "levels" : "classes");
+  text += fmt::format("{} trials per cell", each);
+  return all > of_cells ? text + fmt::format(" and {} without a signal per condition", all - of_cells) : text;
+}
+
+Answer Task::unbiased_answer(const Intervals& presented, const Trial& trial, const Protocol& protocol, double noise,
+                             RandomStream& stream) const {
+  const double sigma = noise / std::sqrt(2.0);
+  std::vector<Felt> felt;
+  for (const double stimulus : presented) felt.push_back({stimulus + sigma * stream.normal(), sigma});
+  return answer(felt, trial, protocol, stream);
+}
+
+std::string Task::unbiased_words(const Protocol&) const {
+  return "what is felt is the value plus normal noise, and the answer follows from what is felt, without bias";
 }
 
 std::string Task::target_word(const Trial& trial, const TaskSpec& spec) const {
   return std::string(said_word(spec, trial.target));
 }
 
-const Task& task_of(TaskKind kind) {
+std::span<const Task* const> all_tasks() noexcept {
   static const SameDifferentTask same_different;
   static const WhichTask which;
   static const YesNoTask yes_no;
@@ -41,18 +86,16 @@ const Task& task_of(TaskKind kind) {
   static const AbxTask abx;
   static const MagnitudeTask magnitude;
   static const AdjustTask adjust;
-  static const std::array<const Task*, 8> all = {&same_different, &which, &yes_no,    &identify,
-                                                 &oddity,         &abx,   &magnitude, &adjust};
-  for (const Task* task : all)
-    if (task->kind() == kind) return *task;
-  throw std::invalid_argument("free interaction has no trials");
+  static const ExploreTask explore;
+  static const std::array<const Task*, 9> all = {&same_different, &which,  &yes_no, &identify, &oddity, &abx,
+                                                 &magnitude,      &adjust, &explore};
+  return all;
 }
 
-std::span<const TaskKind> all_tasks() noexcept {
-  static constexpr std::array kAll = {TaskKind::same_different, TaskKind::which,  TaskKind::yes_no,
-                                      TaskKind::identify,       TaskKind::oddity, TaskKind::abx,
-                                      TaskKind::magnitude,      TaskKind::adjust};
-  return kAll;
+const Task& task_of(TaskKind kind) {
+  for (const Task* task : all_tasks())
+    if (task->kind() == kind) return *task;
+  throw std::invalid_argument("there is no such task");
 }
 
 bool holds_standard(const Trial& trial, const Intervals& stimuli, std::size_t interval) noexcept {
@@ -95,12 +138,21 @@ std::optional<bool> is_correct(const Trial& trial, const Answer& answer) noexcep
   return trial.target < 0 ? std::nullopt : std::optional(answer.said == trial.target);
 }
 
+int trials_of_cell(const Protocol& protocol, const Series& series) {
+  if (const auto& procedure = protocol.design.procedure) return trials_with_catches(*procedure);
+  return task_of(protocol.task.kind).trials_of_levels(protocol, series);
+}
+
 int trials_of_cell(const Protocol& protocol, int series) {
-  return task_of(protocol.task.kind).trials_of_cell(protocol, protocol.series[static_cast<std::size_t>(series)]);
+  return trials_of_cell(protocol, protocol.series[static_cast<std::size_t>(series)]);
 }
 
 bool is_catch(const Trial& trial) {
   return trial.target == 0 && task_of(trial.task).has_catch_trials();
+}
+
+std::string counted_words(std::size_t count, std::string_view word) {
+  return fmt::format("{} {}{}", count, word, count == 1 ? "" : "s");
 }
 
 int sureness_of(double distance, double sigma, const TaskSpec& spec) noexcept {

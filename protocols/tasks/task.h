@@ -5,6 +5,8 @@
 // A trial belongs to one of the task's classes (Trial::target), and an answer says one of them (Answer::said): it is
 // correct where the two are the same, and neither where the trial has none (-1).
 //
+// Free interaction is a task without trials (explore_task.h). Who sets the levels is asked of level_source.h.
+//
 // A new task is a class here, its word in TaskKind, its place in task.cpp, a shipped protocol and its tests.
 #pragma once
 
@@ -25,6 +27,21 @@ class JsonReader;
 // A contradiction in a protocol, at a JSON path.
 struct TaskProblem {
   std::string path, message, suggestion;
+};
+
+// What an estimate of a participant in a condition rests on: the answers one by one (Task::estimate); where the tracks of
+// a procedure come to; or how often each answer was given to each pair, of which d' follows.
+enum class Evidence { answers, tracks, counts };
+
+// What a small protocol of the task has, to start from. Levels are shares of the standard.
+struct TaskStart {
+  std::string_view asks{};                 // said after the intervals, of stiffness
+  std::string_view asks_of_other{};        // of another quantity, whose name stands for {}; empty: the same
+  std::string_view keys{};                 // JSON; empty: the answers have no words of their own
+  std::vector<double> levels{};            // of identify the classes, of pairs the other value of each
+  std::string_view levels_are = "Levels";  // asked for by these words
+  int trials_per_cell = 0;
+  std::string_view analysis{};  // JSON
 };
 
 // The stimuli of a trial before it has its place in a plan.
@@ -131,6 +148,16 @@ class Task {
   // One line: what it asks, for lists and help.
   virtual std::string_view summary() const noexcept = 0;
 
+  // Whether it has trials: free interaction has none.
+  virtual bool has_trials() const noexcept { return true; }
+  // Whether a series is a pair of values, either of which a trial may present twice; otherwise it has a standard or levels.
+  virtual bool has_pairs() const noexcept { return false; }
+  // Key of files that says whether a trial belongs to the first class, in place of the class's word; empty: the word.
+  virtual std::string_view first_class_key() const noexcept { return {}; }
+  // Where a protocol's file has the values that are presented, if they are given.
+  virtual std::string_view values_path() const noexcept { return "$.levels"; }
+  virtual TaskStart start() const { return {}; }
+
   // Reading. The keys of the section "task" that are its own, and the words of its answers.
   virtual void read(JsonReader& section, TaskSpec& spec) const = 0;
   // What a loaded protocol contradicts itself in, as far as it is the task's.
@@ -142,6 +169,8 @@ class Task {
   virtual std::optional<PosteriorTask> posterior_task() const noexcept { return std::nullopt; }
   // None where the answers of the task have no such model, or not with what the protocol registers.
   virtual std::optional<AnswerModel> answer_model(const Protocol&) const { return std::nullopt; }
+  // What of the protocol has none then, for messages: "the task "identify"".
+  virtual std::string without_model(const Protocol& protocol) const;
   // Of a task with an answer_model().
   virtual LevelAnswer level_answer(const AnsweredTrial&, const TaskSpec&) const { return {}; }
   // Whether trials without a difference, or without a signal, are part of the task.
@@ -158,13 +187,19 @@ class Task {
   // Planning.
   // How many cells of `trials_per_cell` trials a condition has in a series: by default one for every level.
   virtual int cells_in(const Series& series) const noexcept { return static_cast<int>(series.levels.size()); }
-  // Trials of a condition in a series: by default those of its cells; with a procedure, those of its tracks.
-  virtual int trials_of_cell(const Protocol& protocol, const Series& series) const;
+  // Trials of a condition in a series whose levels are given: by default those of its cells.
+  virtual int trials_of_levels(const Protocol& protocol, const Series& series) const;
+  virtual Evidence evidence(const Protocol&) const noexcept { return Evidence::answers; }
+  // Words for a condition's cells whose levels are given: "1 standard x 8 levels x 10 trials per cell".
+  virtual std::string cells_text(const Protocol& protocol) const;
   virtual int intervals(const TaskSpec& spec) const noexcept = 0;
   // A cell, in any order: the plan shuffles nothing after it.
   virtual std::vector<DrawnTrial> draw(const CellDraw& cell, RandomStream& stream) const = 0;
-  // The slots of a track of an adaptive procedure, `trials` of them with a comparison that the answers set.
-  virtual std::vector<DrawnTrial> draw_track(const CellDraw& track, RandomStream& stream) const;
+  // The slots of a track of the procedure, `trials` of them with a comparison that the answers set.
+  virtual std::vector<DrawnTrial> draw_track(const CellDraw& track, const AdaptiveProcedure& procedure,
+                                             RandomStream& stream) const;
+  // A round of practice with `trials` trials: of every level, as far as they go.
+  virtual std::vector<DrawnTrial> draw_practice(const CellDraw& round, RandomStream& stream) const;
   // Which class a trial's stimuli belong to, once all are known.
   virtual int target_of(const Intervals& stimuli, double standard, const TaskSpec& spec) const noexcept = 0;
   // What a plan says of a trial in words: "same", "second", "signal".
@@ -187,6 +222,15 @@ class Task {
   virtual Answer answer(std::span<const Felt> felt, const Trial& trial, const Protocol& protocol,
                         RandomStream& stream) const = 0;
 
+  // Whether a simulated participant compares two presentations cue by cue, by a criterion of its profile, instead of what
+  // was felt of each.
+  virtual bool compares_cues() const noexcept { return false; }
+  // The same without bias, to which two equal intervals differ with a standard deviation of `noise`, in the study's unit.
+  virtual Answer unbiased_answer(const Intervals& presented, const Trial& trial, const Protocol& protocol, double noise,
+                                 RandomStream& stream) const;
+  // How that observer answers, in words.
+  virtual std::string unbiased_words(const Protocol&) const;
+
   // Results.
   virtual std::vector<TaskOutcome> outcomes(const Protocol& protocol) const = 0;
   // Of one participant, condition and series. Without trials: status "no_trials".
@@ -206,11 +250,8 @@ class Task {
   virtual std::string methods(const Protocol& protocol) const = 0;
 };
 
-// Throws std::invalid_argument for explore, which has no trials.
 const Task& task_of(TaskKind kind);
-
-// Every task that has trials.
-std::span<const TaskKind> all_tasks() noexcept;
+std::span<const Task* const> all_tasks() noexcept;
 
 // How often something is felt one after the other: in every interval, or once where all are felt together.
 int felt_intervals(const TaskSpec& spec);
@@ -219,11 +260,15 @@ bool holds_standard(const Trial& trial, const Intervals& stimuli, std::size_t in
 // The word of what was said, such as "second"; empty where the answer is a number.
 std::string_view said_word(const TaskSpec& spec, int said) noexcept;
 
-// Task::trials_of_cell of the protocol's task; series: place in Protocol::series.
-int trials_of_cell(const Protocol& protocol, int series);
+// Trials of a condition in a series: of given levels Task::trials_of_levels, of a procedure those of its tracks at most.
+int trials_of_cell(const Protocol& protocol, const Series& series);
+int trials_of_cell(const Protocol& protocol, int series);  // place in Protocol::series
 
 // A trial that moves no level: without a difference, or without a signal.
 bool is_catch(const Trial& trial);
+
+// "1 level", "2 levels".
+std::string counted_words(std::size_t count, std::string_view word);
 
 // How sure a simulated participant says it is, whose evidence lies so far from the criterion: a degree for every sigma.
 int sureness_of(double distance, double sigma, const TaskSpec& spec) noexcept;

@@ -11,6 +11,7 @@
 #include "analysis/numerics/normal.h"
 #include "protocols/input/json_reader.h"
 #include "protocols/tasks/arrangements.h"
+#include "protocols/tasks/level_source.h"
 #include "protocols/tasks/posterior_model.h"
 #include "protocols/tasks/task_estimates.h"
 
@@ -25,6 +26,15 @@ int chosen(bool first_greater, const TaskSpec& spec) noexcept {
 }
 
 }  // namespace
+
+TaskStart WhichTask::start() const {
+  return {.asks = "Which was stiffer, the first or the second?",
+          .asks_of_other = "Which had more {}, the first or the second?",
+          .keys = R"({"first": "1", "second": "2"})",
+          .levels = {0.5, 0.7, 0.85, 1.15, 1.3, 1.5},
+          .trials_per_cell = 12,
+          .analysis = R"({"outcome": "jnd"})"};
+}
 
 void WhichTask::read(JsonReader& section, TaskSpec& spec) const {
   spec.greater = section.one_of_or<bool>("chosen", {{"greater", true}, {"lesser", false}}, true);
@@ -55,9 +65,9 @@ std::vector<DrawnTrial> WhichTask::draw(const CellDraw& cell, RandomStream& stre
   return trials;
 }
 
-std::vector<DrawnTrial> WhichTask::draw_track(const CellDraw& track, RandomStream& stream) const {
+std::vector<DrawnTrial> WhichTask::draw_track(const CellDraw& track, const AdaptiveProcedure& procedure,
+                                              RandomStream& stream) const {
   const TaskSpec& spec = track.protocol.task;
-  const AdaptiveProcedure& procedure = *track.protocol.design.procedure;
   const double comparison = set_by_answers(track.series.standard);
   std::vector<DrawnTrial> block;
   for (const int side : procedure.sides) {
@@ -116,10 +126,8 @@ std::vector<ChoiceRow> choice_rows(std::span<const AnsweredTrial> trials, const 
 
 // Whether comparisons lie on both sides of the standard, or at it: on one side alone they do not tell the PSE from s.
 bool on_both_sides(const Protocol& protocol, const Series& series) {
-  if (const auto& procedure = protocol.design.procedure)
-    return procedure->sides.size() > 1 || procedure->sides.front() == 0;
-  const auto [least, greatest] = std::minmax_element(series.levels.begin(), series.levels.end());
-  return series.levels.empty() || (*least <= series.standard && *greatest >= series.standard);
+  const std::vector<int> sides = sides_of_comparisons(protocol, series);
+  return sides.size() != 1 || sides.front() == 0;
 }
 
 bool measures_pse(const Protocol& protocol, const Series& series) {

@@ -12,6 +12,7 @@ class WhichTask final : public Task {
  public:
   TaskKind kind() const noexcept override { return TaskKind::which; }
   std::string_view summary() const noexcept override { return "two intervals: which has more of the quantity?"; }
+  TaskStart start() const override;
   void read(JsonReader& section, TaskSpec& spec) const override;
   std::vector<TaskProblem> problems(const Protocol& protocol) const override;
   bool level_may_be_standard() const noexcept override { return true; }
@@ -22,7 +23,8 @@ class WhichTask final : public Task {
   int balance_of(const TaskSpec& spec) const noexcept override { return spec.standard_first ? 1 : 2; }
   int intervals(const TaskSpec&) const noexcept override { return 2; }
   std::vector<DrawnTrial> draw(const CellDraw& cell, RandomStream& stream) const override;
-  std::vector<DrawnTrial> draw_track(const CellDraw& track, RandomStream& stream) const override;
+  std::vector<DrawnTrial> draw_track(const CellDraw& track, const AdaptiveProcedure& procedure,
+                                     RandomStream& stream) const override;
   int target_of(const Intervals& stimuli, double standard, const TaskSpec& spec) const noexcept override;
   Answer answer(std::span<const Felt> felt, const Trial& trial, const Protocol& protocol,
                 RandomStream& stream) const override;

@@ -14,6 +14,7 @@
 #include "analysis/ratings/rating_roc.h"
 #include "protocols/input/json_reader.h"
 #include "protocols/tasks/catch_trials.h"
+#include "protocols/tasks/level_source.h"
 #include "protocols/tasks/posterior_model.h"
 #include "protocols/tasks/task_estimates.h"
 
@@ -28,14 +29,22 @@ int noises_of(int signals, const TaskSpec& spec) {
 
 }  // namespace
 
+TaskStart YesNoTask::start() const {
+  return {.asks = "Was it the stiffer one?",
+          .asks_of_other = "Was it the one with more {}?",
+          .keys = R"({"no": "n", "yes": "y"})",
+          .levels = {1.3},
+          .trials_per_cell = 60,
+          .analysis = R"({"outcome": "threshold"})"};
+}
+
 void YesNoTask::read(JsonReader& section, TaskSpec& spec) const {
   spec.signal_share = section.number_or("signal_share", 0.5, {.min = 0.05, .max = 0.95});
   spec.sureness_levels = section.integer_or("sureness", 0, {.min = 0, .max = 4});
   spec.classes = {"no", "yes"};
 }
 
-int YesNoTask::trials_of_cell(const Protocol& protocol, const Series& series) const {
-  if (protocol.design.procedure) return trials_with_catches(*protocol.design.procedure);
+int YesNoTask::trials_of_levels(const Protocol& protocol, const Series& series) const {
   const int signals = protocol.design.trials_per_cell * static_cast<int>(series.levels.size());
   return signals + noises_of(signals, protocol.task);
 }
@@ -62,8 +71,8 @@ std::vector<DrawnTrial> YesNoTask::draw(const CellDraw& cell, RandomStream& stre
   return trials;
 }
 
-std::vector<DrawnTrial> YesNoTask::draw_track(const CellDraw& track, RandomStream& stream) const {
-  const AdaptiveProcedure& procedure = *track.protocol.design.procedure;
+std::vector<DrawnTrial> YesNoTask::draw_track(const CellDraw& track, const AdaptiveProcedure& procedure,
+                                              RandomStream& stream) const {
   const CatchBlock block = catch_block_of(procedure).value();
   const int side = procedure.sides.front();
   const double comparison = set_by_answers(track.series.standard);
@@ -88,11 +97,9 @@ int YesNoTask::target_of(const Intervals& stimuli, double standard, const TaskSp
 Answer YesNoTask::answer(std::span<const Felt> felt, const Trial& trial, const Protocol& protocol,
                          RandomStream&) const {
   double away = trial.standard != 0 ? 0.2 * std::abs(trial.standard) : 2 * felt[0].sigma;
-  int side = 1;  // of the noise on which signals lie
-  if (protocol.design.procedure) {
-    side = protocol.design.procedure->sides.front();
-  } else {
-    const std::vector<double>& levels = protocol.series[static_cast<std::size_t>(trial.series)].levels;
+  const Series& series = protocol.series[static_cast<std::size_t>(trial.series)];
+  int side = sides_of_comparisons(protocol, series).front();  // of the noise, on which signals lie
+  if (const std::vector<double>& levels = series.levels; !levels.empty()) {
     const double mean = std::accumulate(levels.begin(), levels.end(), 0.0) / static_cast<double>(levels.size());
     side = mean > trial.standard ? 1 : -1;
     away = std::abs(mean - trial.standard);

@@ -13,6 +13,7 @@ class YesNoTask final : public Task {
  public:
   TaskKind kind() const noexcept override { return TaskKind::yes_no; }
   std::string_view summary() const noexcept override { return "one interval: was the signal there?"; }
+  TaskStart start() const override;
   void read(JsonReader& section, TaskSpec& spec) const override;
   bool has_procedures() const noexcept override { return true; }
   std::optional<PosteriorTask> posterior_task() const noexcept override { return PosteriorTask::same_different; }
@@ -21,10 +22,11 @@ class YesNoTask final : public Task {
   bool has_catch_trials() const noexcept override { return true; }
   std::vector<TaskProblem> problems(const Protocol& protocol) const override;
   int balance_of(const TaskSpec&) const noexcept override { return 1; }
-  int trials_of_cell(const Protocol& protocol, const Series& series) const override;
+  int trials_of_levels(const Protocol& protocol, const Series& series) const override;
   int intervals(const TaskSpec&) const noexcept override { return 1; }
   std::vector<DrawnTrial> draw(const CellDraw& cell, RandomStream& stream) const override;
-  std::vector<DrawnTrial> draw_track(const CellDraw& track, RandomStream& stream) const override;
+  std::vector<DrawnTrial> draw_track(const CellDraw& track, const AdaptiveProcedure& procedure,
+                                     RandomStream& stream) const override;
   int target_of(const Intervals& stimuli, double standard, const TaskSpec& spec) const noexcept override;
   Answer answer(std::span<const Felt> felt, const Trial& trial, const Protocol& protocol,
                 RandomStream& stream) const override;

@@ -13,6 +13,7 @@
 #include "protocols/planning/specimen_codes.h"
 #include "protocols/reading/protocol_json.h"
 #include "protocols/rigs/rig_description.h"
+#include "protocols/tasks/level_source.h"
 #include "protocols/tasks/task.h"
 #include "runner/commands/commands.h"
 #include "runner/opening/asked_rig.h"
@@ -136,35 +137,6 @@ nlohmann::ordered_json groups_json(const Protocol& protocol) {
   return out;
 }
 
-// "2 conditions x 1 standard x 8 levels x 10 trials per cell".
-std::string factors_text(const Protocol& protocol) {
-  const Task& task = task_of(protocol.task.kind);
-  const auto text = [](std::size_t number, std::string_view word) {
-    return counted(static_cast<std::int64_t>(number), word);
-  };
-  std::string factors = text(conditions_each(protocol), "condition");
-  const Series& first = protocol.series.front();
-  if (protocol.task.kind == TaskKind::same_different)
-    return fmt::format("{} x {} series x {} trials per cell", factors, protocol.series.size(),
-                       protocol.design.trials_per_cell);
-  if (task.has_standard()) factors += " x " + text(protocol.series.size(), "standard");
-  const int cells = task.cells_in(first);
-  const bool alike = std::all_of(protocol.series.begin(), protocol.series.end(),
-                                 [&](const Series& series) { return task.cells_in(series) == cells; });
-  if (!alike)
-    factors += " x their levels";
-  else if (cells > 1)
-    factors += fmt::format(" x {} {}", cells, protocol.task.class_values.empty() ? "levels" : "classes");
-  int of_cells = 0, all = 0;
-  for (const Series& series : protocol.series) {
-    of_cells += task.cells_in(series) * protocol.design.trials_per_cell;
-    all += task.trials_of_cell(protocol, series);
-  }
-  const std::string noise =
-      all > of_cells ? fmt::format(" and {} without a signal per condition", all - of_cells) : std::string();
-  return fmt::format("{} x {} trials per cell{}", factors, protocol.design.trials_per_cell, noise);
-}
-
 void print_check(const std::string& name, const CheckedFile& result) {
   for (const Diagnostic& error : result.check.errors) fmt::print("error: {}\n", printable(to_text(error)));
   for (const Diagnostic& warning : result.check.warnings)
@@ -187,28 +159,11 @@ void print_check(const std::string& name, const CheckedFile& result) {
     print_tracker(protocol);
     return;
   }
-  if (protocol.design.procedure) {
-    const AdaptiveProcedure& procedure = *protocol.design.procedure;
-    const bool at_most = can_end_early(procedure);
-    const auto number = [](std::size_t many, std::string_view word) {
-      return counted(static_cast<std::int64_t>(many), word);
-    };
-    const std::string standards =
-        protocol.task.kind == TaskKind::same_different ? "" : number(protocol.series.size(), "standard") + " x ";
-    const std::string catch_trials = task_of(protocol.task.kind).has_catch_trials()
-                                         ? fmt::format(", {:.0f} % of them catch trials", 100 * procedure.catch_share)
-                                         : "";
-    fmt::print("{}: {}\n  {}\n  {} x {}{} = {}{} trials per participant{}, {}about {} per session\n  SHA-256 {}\n",
-               printable(name), bold("ok"), printable(protocol.title), number(conditions_each(protocol), "condition"),
-               standards, number(procedure.starts.size(), "track"), at_most ? "at most " : "", result.trials,
-               catch_trials, at_most ? "at most " : "", duration_text(result.duration_s), protocol.sha256);
-    print_groups(protocol);
-    print_tracker(protocol);
-    return;
-  }
-  fmt::print("{}: {}\n  {}\n  {} = {} trials per participant, about {} per session\n  SHA-256 {}\n", printable(name),
-             bold("ok"), printable(protocol.title), factors_text(protocol), result.trials,
-             duration_text(result.duration_s), protocol.sha256);
+  const std::string_view at_most = can_end_early(protocol) ? "at most " : "";
+  fmt::print("{}: {}\n  {}\n  {} x {} = {}{} trials per participant{}, {}about {} per session\n  SHA-256 {}\n",
+             printable(name), bold("ok"), printable(protocol.title),
+             counted_words(conditions_each(protocol), "condition"), cells_text(protocol), at_most, result.trials,
+             catch_words(protocol), at_most, duration_text(result.duration_s), protocol.sha256);
   print_groups(protocol);
   print_tracker(protocol);
   print_told(result);
@@ -227,8 +182,7 @@ void print_check_json(const CheckedFile& result) {
   out["duration_s"] = ok ? nlohmann::ordered_json(result.duration_s) : nlohmann::ordered_json(nullptr);
   out["precision"] =
       result.precision ? precision_json(*result.precision, *result.check.protocol) : nlohmann::ordered_json(nullptr);
-  if (ok && result.check.protocol->design.procedure)
-    out["trials_at_most"] = can_end_early(*result.check.protocol->design.procedure);
+  if (ok && !levels_given(*result.check.protocol)) out["trials_at_most"] = can_end_early(*result.check.protocol);
   if (ok && !result.check.protocol->groups.empty()) {
     out["groups"] = groups_json(*result.check.protocol);
     out["between"] = to_string(result.check.protocol->analysis.tests.between);

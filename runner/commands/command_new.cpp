@@ -8,6 +8,7 @@
 #include "protocols/input/resources.h"
 #include "protocols/planning/adaptive_run.h"
 #include "protocols/reading/protocol_json.h"
+#include "protocols/tasks/level_source.h"
 #include "protocols/tasks/task.h"
 #include "runner/commands/commands.h"
 #include "runner/commands/new_protocol.h"
@@ -48,10 +49,10 @@ void print_list() {
   for (const Protocol& protocol : protocols) width = std::max(width, protocol.name.size());
   std::size_t rig_width = 0;
   for (const Protocol& protocol : protocols) rig_width = std::max(rig_width, protocol.rig.device.size());
-  for (const TaskKind task : every_task()) {
-    fmt::print("{}: {}\n", bold(to_string(task)), summary_of(task));
+  for (const Task* task : all_tasks()) {
+    fmt::print("{}: {}\n", bold(to_string(task->kind())), task->summary());
     for (const Protocol& protocol : protocols)
-      if (protocol.task.kind == task)
+      if (protocol.task.kind == task->kind())
         fmt::print("  {:{}}  {:{}}  {}\n", protocol.name, width, protocol.rig.device, rig_width,
                    printable(protocol.title));
     fmt::print("\n");
@@ -70,7 +71,7 @@ void print_list_json() {
                     {"rig", protocol.rig.device},
                     {"title", protocol.title},
                     {"source", protocol.source.citation},
-                    {"adaptive", protocol.design.procedure.has_value()}});
+                    {"adaptive", !levels_given(protocol)}});
   print_json(list);
 }
 
@@ -82,7 +83,7 @@ std::vector<std::string> words_of_procedures() {
 
 std::vector<std::string> words_of_tasks() {
   std::vector<std::string> words;
-  for (const TaskKind task : every_task()) words.emplace_back(to_string(task));
+  for (const Task* task : all_tasks()) words.emplace_back(to_string(task->kind()));
   return words;
 }
 

@@ -10,7 +10,6 @@
 #include "protocols/planning/condition_codes.h"
 #include "protocols/planning/plan.h"
 #include "protocols/protocol.h"
-#include "protocols/tasks/same_different_task.h"
 #include "protocols/tasks/task.h"
 #include "runner/commands/commands.h"
 #include "runner/commands/power_options.h"
@@ -112,7 +111,7 @@ void print_plan(const Protocol& protocol, const Plan& plan, const std::vector<Se
       dim(fmt::format("{}{}{}, seed {}, protocol {}", participant_title(plan.participant, sessions),
                       group_text(protocol, plan), plan.session == 1 ? "" : fmt::format(", session {}", plan.session),
                       plan.seed, protocol.sha256.substr(0, 12))));
-  if (protocol.task.kind == TaskKind::explore) return print_explorations(protocol, plan);
+  if (!plan.explorations.empty()) return print_explorations(protocol, plan);
   fmt::print("series: {}\n", fmt::join(names_in_order(plan.series_order, protocol.series), ", "));
   for (std::size_t i = 0; i < plan.condition_orders.size(); ++i)
     fmt::print("conditions in series {}: {}\n", protocol.series[static_cast<std::size_t>(plan.series_order[i])].name,
@@ -146,10 +145,7 @@ void print_plan(const Protocol& protocol, const Plan& plan, const std::vector<Se
     table.add(row);
   }
   fmt::print("{}", table.text());
-  if (!protocol.design.procedure || !can_end_early(*protocol.design.procedure)) return;
-  const bool reversals = protocol.design.procedure->reversals > 0;
-  fmt::print("A track that has {}{} leaves the trials that are planned for it after {}.\n", reversals ? "its " : "",
-             early_end_of(*protocol.design.procedure), reversals ? "them" : "that");
+  fmt::print("{}", early_end_note(protocol));
 }
 
 void print_plan_json(const Protocol& protocol, const Plan& plan) {
@@ -157,7 +153,7 @@ void print_plan_json(const Protocol& protocol, const Plan& plan) {
       {"participant", plan.participant}, {"protocol_sha256", protocol.sha256}, {"seed", plan.seed}};
   if (plan.group) out["group"] = group_name(protocol, plan.group);
   if (plan.session > 1) out["session"] = plan.session;
-  if (protocol.task.kind == TaskKind::explore) out["explorations"] = explorations_json(protocol, plan);
+  if (!plan.explorations.empty()) out["explorations"] = explorations_json(protocol, plan);
   out["trials"] = nlohmann::ordered_json::array();
   for (const Trial& trial : plan.trials) {
     nlohmann::ordered_json row = {{"index", trial.index},
@@ -167,11 +163,12 @@ void print_plan_json(const Protocol& protocol, const Plan& plan) {
                                   {"practice", trial.practice},
                                   {"stimuli", nlohmann::ordered_json::array()}};
     for (std::size_t i = 0; i < trial.stimuli.size(); ++i) row["stimuli"].push_back(stimulus_json(trial, i));
-    if (trial.task == TaskKind::same_different)
-      row["same"] = trial.target == kClassSame;
+    const Task& task = task_of(trial.task);
+    if (const std::string_view key = task.first_class_key(); !key.empty())
+      row[std::string(key)] = trial.target == 0;
     else
       row["target"] = trial.target < 0 ? nlohmann::ordered_json(nullptr)
-                                       : nlohmann::ordered_json(task_of(trial.task).target_word(trial, protocol.task));
+                                       : nlohmann::ordered_json(task.target_word(trial, protocol.task));
     if (trial.practice) row["round"] = trial.round;
     if (trial.track > 0) row["track"] = trial.track;
     out["trials"].push_back(row);
@@ -195,8 +192,8 @@ nlohmann::ordered_json to_json(const CohortBalance& balance, const Protocol& pro
                                 {"cells", nlohmann::ordered_json::array()}};
   if (balance.group) out["group"] = group_name(protocol, balance.group);
   if (balance.session > 1) out["session"] = balance.session;
-  if (protocol.task.kind == TaskKind::explore) out["object_positions"] = balance.object_positions;
-  const bool pairs = protocol.task.kind == TaskKind::same_different;
+  if (!balance.object_positions.empty()) out["object_positions"] = balance.object_positions;
+  const bool pairs = task_of(protocol.task.kind).has_pairs();
   for (const CellBalance& cell : balance.cells) {
     if (!pairs) {
       nlohmann::ordered_json row = {{"series", protocol.series[static_cast<std::size_t>(cell.series)].name},

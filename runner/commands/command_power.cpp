@@ -11,6 +11,7 @@
 #include "protocols/input/input_error.h"
 #include "protocols/input/resources.h"
 #include "protocols/planning/allotment.h"
+#include "protocols/tasks/level_source.h"
 #include "protocols/tasks/task.h"
 #include "runner/commands/commands.h"
 #include "runner/commands/power_options.h"
@@ -69,17 +70,14 @@ void refuse_protocol(const Protocol& protocol, const std::string& name) {
     throw UsageError(fmt::format(
         "{}: power is offered for \"same-different\" with yes-no or differencing d', for \"which\" and for \"yes-no\"; this "
         "study has {}",
-        printable(name),
-        protocol.task.kind == TaskKind::same_different
-            ? fmt::format("the model \"{}\"", protocol.analysis.model)
-            : fmt::format("the task \"{}\"", to_string(protocol.task.kind))));
+        printable(name), task_of(protocol.task.kind).without_model(protocol)));
   if (protocol.conditions.size() < 2 && registered_group_tests(protocol).empty())
     throw UsageError(fmt::format("{}: one condition has nothing to be compared with", printable(name)));
 }
 
 // Cells of a design that is balanced need a multiple of the arrangements.
 void refuse_trials(const std::vector<int>& trials, const Protocol& protocol) {
-  if (protocol.design.procedure) {
+  if (!levels_given(protocol)) {
     if (!trials.empty()) throw UsageError("--trials: a procedure says itself when its tracks end");
     return;
   }
@@ -146,7 +144,7 @@ PowerQuestion question_of(const Protocol& protocol, std::uint64_t seed, const Pr
   question.participants = in_order(precision.participants);
   if (question.participants.empty()) question.participants = {protocol.design.participants};
   question.trials = in_order(precision.trials);
-  if (question.trials.empty() && !protocol.design.procedure) question.trials = {protocol.design.trials_per_cell};
+  if (question.trials.empty() && levels_given(protocol)) question.trials = {protocol.design.trials_per_cell};
   question.effects = in_order(options.effects);
   if (question.effects.empty()) question.effects = options.physics ? std::vector{1.0} : std::vector{0.0, 1.0};
   for (const PlannedJnd& jnd : asked_jnds(precision.jnds, protocol)) question.jnds.push_back(jnd.value);

@@ -6,6 +6,7 @@
 
 #include "protocols/planning/planned_precision.h"
 #include "protocols/planning/task_precision.h"
+#include "protocols/tasks/level_source.h"
 #include "protocols/tasks/task.h"
 #include "runner/commands/precision_options.h"
 #include "runner/opening/study_access.h"
@@ -147,7 +148,7 @@ int plan_task_precision(const Protocol& protocol, const std::string& name, std::
 
 int plan_precision(const std::string& name, std::uint64_t seed, bool json, const PrecisionOptions& options) {
   Protocol protocol = load_checked_protocol(name);
-  if (protocol.task.kind == TaskKind::explore)
+  if (!task_of(protocol.task.kind).has_trials())
     throw UsageError(fmt::format("{}: precision cannot be foretold of free interaction", printable(name)));
   for (const auto* const list : {&options.trials, &options.participants})
     if (list->size() > 1) throw UsageError("several designs at once are for --power: give one number with --precision");
@@ -157,7 +158,7 @@ int plan_precision(const std::string& name, std::uint64_t seed, bool json, const
     if (protocol.design.sampling == Sampling::balanced && protocol.design.trials_per_cell % balance != 0)
       throw UsageError(
           fmt::format("--trials {}: balanced cells need a multiple of {}", protocol.design.trials_per_cell, balance));
-    if (!options.trials.empty() && protocol.design.procedure)
+    if (!options.trials.empty() && !levels_given(protocol))
       throw UsageError("--trials: a procedure says itself when its tracks end");
     return plan_task_precision(protocol, name, seed, json, options);
   }

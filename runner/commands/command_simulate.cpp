@@ -73,9 +73,9 @@ int simulate_answers(const Simulation& simulation, bool json) {
 
 int simulate_without_study(const Simulation& simulation, bool json) {
   const Protocol& protocol = simulation.protocol;
-  if (protocol.task.kind == TaskKind::explore || !task_of(protocol.task.kind).has_own_results())
-    return simulate_answers(simulation, json);
-  if (protocol.design.procedure) {
+  const Evidence evidence = task_of(protocol.task.kind).evidence(protocol);
+  if (evidence == Evidence::answers) return simulate_answers(simulation, json);
+  if (evidence == Evidence::tracks) {
     const AdaptiveResults results = simulate_thresholds(simulation);
     if (interrupt_requested()) return interrupted();
     if (json)
@@ -125,7 +125,6 @@ int command_simulate(const SimulateOptions& options) {
     throw UsageError(
         "say where the data go: --study FILE, or --no-study to keep nothing; of many studies --studies N --csv FOLDER");
   const Protocol protocol = load_checked_protocol(options.protocol);
-  const bool explores = protocol.task.kind == TaskKind::explore;
   const RigDescription rig = rig_of(protocol);
   const ParticipantProfile profile = load_profile(
       find_resource(Resource::profile, options.profile.empty() ? default_profile(protocol) : options.profile));
@@ -174,7 +173,7 @@ int command_simulate(const SimulateOptions& options) {
   fmt::print("{}: {}{}, profile {}, seed {}: {} {}, {} voided\n", printable(file),
              counted(options.participants, "participant"),
              sessions == 1 ? "" : fmt::format(", {} sessions each", sessions), printable(profile.name), simulation.seed,
-             trials, explores ? "explorations" : "trials", voided);
+             trials, protocol.explore ? "explorations" : "trials", voided);
   fmt::print("  next:  jnd analyze {}\n", shell_word(file));
   return exit_code::kDone;
 }

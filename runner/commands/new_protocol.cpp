@@ -7,21 +7,10 @@
 #include "data/files/draft.h"
 #include "protocols/input/read_file.h"
 #include "protocols/input/resources.h"
-#include "protocols/tasks/task.h"
 #include "runner/terminal/exit_code.h"
 #include "runner/terminal/terminal.h"
 
 namespace jnd {
-
-std::vector<TaskKind> every_task() {
-  std::vector<TaskKind> tasks(all_tasks().begin(), all_tasks().end());
-  tasks.push_back(TaskKind::explore);
-  return tasks;
-}
-
-std::string_view summary_of(TaskKind task) {
-  return task == TaskKind::explore ? "free interaction, then a questionnaire" : task_of(task).summary();
-}
 
 std::filesystem::path protocol_file(const std::string& name) {
   return name.ends_with(".json") ? name : name + ".json";

@@ -1,4 +1,4 @@
-// What `jnd new` and `jnd init` share: the tasks there are to begin with, and the writing of the file.
+// What `jnd new` and `jnd init` share: the writing of the file.
 #pragma once
 
 #include <filesystem>
@@ -9,10 +9,6 @@
 #include "protocols/vocabulary.h"
 
 namespace jnd {
-
-// Of trials, then free interaction.
-std::vector<TaskKind> every_task();
-std::string_view summary_of(TaskKind task);  // in one line
 
 // The name with ".json" behind it, where it has none.
 std::filesystem::path protocol_file(const std::string& name);

@@ -162,7 +162,7 @@ void ProtocolWizard::ask_choice(const char* heading, const std::string& what, co
 
 void ProtocolWizard::ask_task() {
   Choices choices;
-  for (const TaskKind task : every_task()) choices.emplace_back(to_string(task), summary_of(task));
+  for (const Task* task : all_tasks()) choices.emplace_back(to_string(task->kind()), task->summary());
   ask_choice("What does a trial ask?", "Task", "which", choices,
              [](StartingPoint& point, const std::string& answer) { point.task = *task_kind_from(answer); });
 }
@@ -193,7 +193,7 @@ void ProtocolWizard::ask_stimulus() {
             [this](const std::string& answer) { return attempt([&](StartingPoint& point) { point.unit = answer; }); });
   }
   const StartingPoint filled = filled_in(point_);
-  if (point_.task == TaskKind::same_different || task_of(point_.task).has_standard())
+  if (task_of(point_.task).has_standard())
     ask_for(fmt::format("Standard, in {}", filled.unit), plain(*filled.standard), [this](const std::string& answer) {
       const std::optional<double> value = finite_from(answer);
       if (!value) return fmt::format("'{}' is not a number", answer);
@@ -204,11 +204,8 @@ void ProtocolWizard::ask_stimulus() {
 void ProtocolWizard::ask_levels() {
   if (point_.procedure != "constant") return;
   const StartingPoint filled = filled_in(point_);
-  const std::string what = point_.task == TaskKind::identify         ? "Values of the classes"
-                           : point_.task == TaskKind::same_different ? "What the standard is paired with"
-                                                                     : "Levels";
-  ask_for(fmt::format("{}, in {}, separated by commas", what, filled.unit), numbers_text(*filled.levels),
-          [this](const std::string& answer) -> std::string {
+  ask_for(fmt::format("{}, in {}, separated by commas", task_of(point_.task).start().levels_are, filled.unit),
+          numbers_text(*filled.levels), [this](const std::string& answer) -> std::string {
             std::vector<double> values;
             for (const std::string& part : split(answer, ',')) {
               const std::optional<double> value = finite_from(part);
@@ -279,7 +276,7 @@ void ProtocolWizard::ask_ratings() {
 
 void ProtocolWizard::ask_texts() {
   fmt::print("\nWhat is said?\n");
-  if (point_.task != TaskKind::explore)
+  if (task_of(point_.task).has_trials())
     ask_for("After each trial", filled_in(point_).question, [this](const std::string& answer) {
       return attempt([&](StartingPoint& point) { point.question = answer; });
     });
@@ -292,7 +289,7 @@ void ProtocolWizard::ask_texts() {
 
 StartingPoint ProtocolWizard::ask() {
   ask_task();
-  if (point_.task != TaskKind::explore) {
+  if (task_of(point_.task).has_trials()) {
     ask_rig();
     ask_procedure();
     ask_stimulus();

@@ -67,52 +67,13 @@ constexpr auto kRigs = std::to_array<RigStart>({
      {}},
 });
 
-// What a protocol says of its task. Values are shares of the standard.
-struct TaskStart {
-  TaskKind kind;
-  std::string_view asks;  // what is said after the intervals
-  std::string_view keys;
-  std::span<const double> levels;  // of identify the classes, of same-different the other value of each pair
-  int trials_per_cell = 0;
-  std::string_view analysis;
-};
-
-constexpr std::array kBothSides{0.5, 0.7, 0.85, 1.15, 1.3, 1.5};
-constexpr std::array kAbove{1.2, 1.35, 1.5};
-constexpr std::array kSignal{1.3};
-constexpr std::array kSofter{0.5, 0.7};
-constexpr std::array kClasses{0.5, 0.8, 1.15, 1.5};
-constexpr std::array kSettings{0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.2, 1.3, 1.4, 1.5};
-constexpr std::array<std::string_view, kClasses.size()> kClassNames{"soft", "medium", "firm", "hard"};
-
-constexpr auto kTasks = std::to_array<TaskStart>({
-    {TaskKind::same_different, "Same or different?", R"({"same": "s", "different": "d"})", kSofter, 24,
-     R"({"model": "yes-no", "correction": "loglinear", "jnd": "least_squares"})"},
-    {TaskKind::which, "Which was stiffer, the first or the second?", R"({"first": "1", "second": "2"})", kBothSides, 12,
-     R"({"outcome": "jnd"})"},
-    {TaskKind::yes_no, "Was it the stiffer one?", R"({"no": "n", "yes": "y"})", kSignal, 60,
-     R"({"outcome": "threshold"})"},
-    {TaskKind::identify, "Which one was it?", "", kClasses, 15, R"({"outcome": "information"})"},
-    {TaskKind::oddity, "Which was the odd one?", R"({"first": "1", "second": "2", "third": "3"})", kAbove, 24,
-     R"({"outcome": "jnd"})"},
-    {TaskKind::abx, "Was the third like the first or like the second?", R"({"A": "a", "B": "b"})", kAbove, 24,
-     R"({"outcome": "jnd"})"},
-    {TaskKind::magnitude, "How stiff was it?", "", kBothSides, 6, R"({"outcome": "exponent"})"},
-    {TaskKind::adjust, "Less, more, or alike?", R"({"less": "1", "more": "2", "accept": "0"})", kSettings, 10,
-     R"({"outcome": "jnd"})"},
-});
-
-const TaskStart& start_of(TaskKind task) {
-  return *std::find_if(kTasks.begin(), kTasks.end(), [&](const TaskStart& start) { return start.kind == task; });
-}
+constexpr std::array<std::string_view, 4> kClassNames{"soft", "medium", "firm", "hard"};
 
 // The tasks' own questions are about stiffness.
 std::string question_about(const std::string& quantity, const TaskStart& start) {
-  if (quantity == "stiffness") return std::string(start.asks);
-  if (start.kind == TaskKind::which) return fmt::format("Which had more {}, the first or the second?", quantity);
-  if (start.kind == TaskKind::yes_no) return fmt::format("Was it the one with more {}?", quantity);
-  if (start.kind == TaskKind::magnitude) return fmt::format("How much {} was it?", quantity);
-  return std::string(start.asks);
+  return quantity == "stiffness" || start.asks_of_other.empty()
+             ? std::string(start.asks)
+             : fmt::format(fmt::runtime(start.asks_of_other), quantity);
 }
 
 const RigStart& rig_start(const std::string& name) {
@@ -224,7 +185,7 @@ ordered_json procedure_section(const StartingPoint& point, double standard) {
     section.update({{"guess_sd", 0.5}, {"p_threshold", 0.75}, {"gamma", gamma}});
   }
   if (catches && point.procedure != "posterior") section["catch_share"] = 0.5;
-  if (point.task != TaskKind::same_different) section["side"] = "above";
+  if (!task_of(point.task).has_pairs()) section["side"] = "above";
   section["stop"] = {{"trials", 40}};
   return section;
 }
@@ -233,7 +194,7 @@ ordered_json procedure_section(const StartingPoint& point, double standard) {
 std::string unfit_procedure(TaskKind task, const std::string& rig, const std::string& procedure) {
   if (procedure == "constant") return "";
   if (rig == kSpecimenRig) return "specimens have fixed values";
-  if (task == TaskKind::explore || !task_of(task).has_procedures())
+  if (!task_of(task).has_procedures())
     return fmt::format("the task {} has no levels that answers could set", to_string(task));
   if (procedure == "posterior" && !task_of(task).posterior_task())
     return fmt::format("the task {} has no response model that it could choose from", to_string(task));
@@ -241,7 +202,7 @@ std::string unfit_procedure(TaskKind task, const std::string& rig, const std::st
 }
 
 void require_fitting(const StartingPoint& point) {
-  if (point.task == TaskKind::explore && point.rig != "rrs3")
+  if (!task_of(point.task).has_trials() && point.rig != "rrs3")
     throw UsageError(fmt::format("free interaction takes the rig rrs3, not {}", point.rig));
   if (const std::string because = unfit_procedure(point.task, point.rig, point.procedure); !because.empty())
     throw UsageError(fmt::format("no {} here: {}; leave --procedure out", point.procedure, because));
@@ -292,14 +253,14 @@ std::vector<std::string> starting_procedures(TaskKind task, const std::string& r
 
 StartingPoint filled_in(StartingPoint point) {
   constexpr int kParticipants = 12, kExploringParticipants = 8;
-  const bool explores = point.task == TaskKind::explore;
+  const bool explores = !task_of(point.task).has_trials();
   if (point.title.empty())
     point.title = explores ? fmt::format("Free interaction on {}, to start from", point.rig)
                            : fmt::format("{} on {}, to start from", to_string(point.task), point.rig);
   if (!point.participants) point.participants = explores ? kExploringParticipants : kParticipants;
   if (explores) return point;
   const RigStart& rig = rig_start(point.rig);
-  const TaskStart& start = start_of(point.task);
+  const TaskStart start = task_of(point.task).start();
   const ordered_json stimulus = json_from(rig.stimulus);
   if (point.quantity.empty()) point.quantity = stimulus["quantity"];
   if (point.question.empty()) point.question = question_about(point.quantity, start);
@@ -313,11 +274,11 @@ StartingPoint filled_in(StartingPoint point) {
 ordered_json starting_protocol(const StartingPoint& given) {
   require_fitting(given);
   const StartingPoint point = filled_in(given);
-  if (point.task == TaskKind::explore) return exploring_protocol(point);
-  const RigStart& rig = rig_start(point.rig);
-  const TaskStart& start = start_of(point.task);
   const Task& task = task_of(point.task);
-  const bool pairs = point.task == TaskKind::same_different;
+  if (!task.has_trials()) return exploring_protocol(point);
+  const RigStart& rig = rig_start(point.rig);
+  const TaskStart start = task.start();
+  const bool pairs = task.has_pairs();
   const bool adaptive = point.procedure != "constant";
   const std::vector<double>& values = *point.levels;
   const double standard = *point.standard;

@@ -250,7 +250,7 @@ void SessionConsole::health(const DeviceHealth& health) {
   if (!health.presenting && std::exchange(presenting_, false))
     for (SessionListener* listener : options_.listeners) listener->interval_over();
   // Where a key ends an interval enough() hears the keys.
-  if (health.presenting && protocol_.task.kind != TaskKind::explore &&
+  if (health.presenting && task_of(protocol_.task.kind).has_trials() &&
       protocol_.timeline.interval_end != IntervalEnd::key)
     hear_in_trial();
 }

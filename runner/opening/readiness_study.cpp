@@ -9,6 +9,7 @@
 #include "data/study/database.h"
 #include "data/verify/chain_check.h"
 #include "protocols/planning/cohort.h"
+#include "protocols/tasks/level_source.h"
 #include "protocols/tasks/same_different_task.h"
 #include "runner/opening/readiness_items.h"
 
@@ -38,14 +39,14 @@ struct Classes {
 
 // What chance gave this participant tells of the trials to come, even where cells are only counted.
 void judge_cells(const Protocol& protocol, const Plan& plan, Check& check) {
-  if (protocol.task.kind != TaskKind::same_different) return;
+  if (!task_of(protocol.task.kind).has_pairs()) return;
   std::map<std::pair<int, int>, Classes> cells;  // by series and condition
   for (const Trial& trial : plan.trials) {
     if (trial.practice) continue;
     Classes& cell = cells[{trial.series, trial.condition}];
     ++(trial.target == kClassSame ? cell.same : cell.different);
   }
-  const bool balanced = protocol.design.sampling == Sampling::balanced && !protocol.design.procedure;
+  const bool balanced = protocol.design.sampling == Sampling::balanced && levels_given(protocol);
   int unequal = 0, one_sided = 0;
   for (const auto& [place, cell] : cells) {
     unequal += balanced && cell.same != cell.different ? 1 : 0;

@@ -12,6 +12,7 @@
 #include "protocols/planning/adaptive_run.h"
 #include "protocols/planning/allotment.h"
 #include "protocols/planning/plan.h"
+#include "protocols/tasks/level_source.h"
 #include "protocols/tasks/task.h"
 #include "runner/opening/rig_limits.h"
 #include "runner/opening/study_access.h"
@@ -231,7 +232,7 @@ class RiggedPeople final : public PeopleSource {
     PersonAnswers answers;
     for_counted(simulated, protocol_,
                 [&](const TrialRecord& record) { answers.given.push_back(given_answer(record.trial, record.answer)); });
-    if (protocol_.design.procedure)
+    if (!levels_given(protocol_))
       answers.tracks =
           participant_tracks(simulated.events, protocol_, participant_code(simulated.participant), simulated.group);
     return answers;
@@ -247,7 +248,7 @@ class RiggedPeople final : public PeopleSource {
 
 std::unique_ptr<PeopleSource> people_source(const Protocol& protocol, const PowerQuestion& question, double effect) {
   if (question.profile) return std::make_unique<RiggedPeople>(protocol, question);
-  if (protocol.task.kind == TaskKind::same_different && !protocol.design.procedure)
+  if (task_of(protocol.task.kind).evidence(protocol) == Evidence::counts)
     return std::make_unique<CountedPeople>(protocol, question, effect);
   return std::make_unique<AnsweringPeople>(protocol, question, effect);
 }

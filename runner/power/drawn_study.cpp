@@ -19,6 +19,7 @@
 #include "data/results/study_hierarchical.h"
 #include "protocols/planning/allotment.h"
 #include "protocols/planning/track_threshold.h"
+#include "protocols/tasks/level_source.h"
 #include "protocols/tasks/task.h"
 
 namespace jnd {
@@ -82,12 +83,12 @@ StudyAnalyst::StudyAnalyst(const Protocol& protocol, const PowerQuestion& questi
       question_(question),
       effect_(effect),
       truth_(truth_of(question, effect, protocol)),
-      known_(!question.profile) {
+      known_(!question.profile),
+      evidence_(task_of(protocol.task.kind).evidence(protocol)) {
   model_.response = response_model_of(protocol).value();
   model_.shared.lapse = question.people.lapse;
   model_.own_tv = protocol.analysis.own_spreads;
-  task_ = !task_of(protocol.task.kind).has_own_results();
-  if (!task_) return;
+  if (evidence_ != Evidence::answers) return;
   const AnswerModel answers = task_of(protocol.task.kind).answer_model(protocol).value();
   of_noise_ = answers.jnd_of_s;
   model_.tw = !answers.pse_at_standard;
@@ -137,14 +138,14 @@ double StudyAnalyst::truth(PowerAnalysis analysis, std::size_t condition, std::o
   if (analysis != PowerAnalysis::registered || model || (outcome == Outcome::log_jnd && compares_jnds_)) return mu;
   if (!compares_jnds_ || is_level(analysis)) return kNaN;
   const double half_variance = 0.5 * (truth_.tu * truth_.tu + truth_.tv * truth_.tv);
-  if (outcome == Outcome::slope && !task_ && !protocol_.design.procedure) return std::exp(half_variance - mu);
+  if (outcome == Outcome::slope && evidence_ == Evidence::counts) return std::exp(half_variance - mu);
   const double scale = protocol_.analysis.outcome == "weber" ? 1 / protocol_.series.front().standard : 1;
   return scale * of_noise_ * std::exp(mu + half_variance);
 }
 
 // A staircase's threshold is a level, which depends on the criterion too.
 bool StudyAnalyst::is_level(PowerAnalysis analysis) const {
-  return protocol_.design.procedure && threshold_source(protocol_) != ThresholdSource::answers &&
+  return !levels_given(protocol_) && threshold_source(protocol_) != ThresholdSource::answers &&
          (analysis == PowerAnalysis::registered || analysis == PowerAnalysis::median);
 }
 
@@ -226,14 +227,14 @@ StudyOutcome StudyAnalyst::registered(std::span<const DrawnPerson> people) const
 }
 
 OutcomeComparison StudyAnalyst::compared(std::span<const DrawnPerson> people) const {
-  if (task_) {
+  if (evidence_ == Evidence::answers) {
     TaskResults results;
     results.outcomes = measured_outcomes(protocol_);
     results.registered = task_outcome_;
     results.estimates = rows_of<TaskEstimateRow>(people, &DrawnPerson::estimates);
     return compare_task(results, protocol_, Compared::contrasts);
   }
-  if (protocol_.design.procedure)
+  if (evidence_ == Evidence::tracks)
     return compare_adaptive(rows_of<AdaptiveRow>(people, &DrawnPerson::tracks), protocol_, Compared::contrasts);
   return compare_thresholds(rows_of<ThresholdResult>(people, &DrawnPerson::thresholds), protocol_,
                             protocol_.analysis.tests.outcome, Compared::contrasts);
@@ -371,7 +372,7 @@ StudyOutcome StudyAnalyst::log_ml(std::span<const DrawnPerson> people) const {
       double value = kNaN;
       const bool gets_it = has_condition(protocol_, person.group, static_cast<int>(c));
       if (gets_it && levels_differ(cells)) {
-        if (!range || protocol_.design.procedure) range = search_range(cells, model_.response);
+        if (!range || !levels_given(protocol_)) range = search_range(cells, model_.response);
         const double ln_s = pooled_maximum(cells, model_.response, model_.shared, *range).ln_s;
         if (ln_s > range->least && ln_s < range->greatest) value = ln_s;
       }
@@ -474,8 +475,9 @@ StudyOutcome StudyAnalyst::hierarchical(std::span<const DrawnPerson> people) con
 
 std::string contrast_scale(PowerAnalysis analysis, const Protocol& protocol, bool of_groups) {
   if (analysis != PowerAnalysis::registered || (protocol.analysis.hierarchical && !of_groups)) return "ln JND";
-  const bool task = !task_of(protocol.task.kind).has_own_results();
-  if (task || protocol.design.procedure) {
+  const Evidence evidence = task_of(protocol.task.kind).evidence(protocol);
+  if (evidence != Evidence::counts) {
+    const bool task = evidence == Evidence::answers;
     const std::string name = task ? protocol.analysis.outcome : "threshold";
     return protocol.analysis.tests.outcome == Outcome::log_jnd && task ? "ln " + name : name;
   }
@@ -492,7 +494,8 @@ std::string contrast_scale(PowerAnalysis analysis, const Protocol& protocol, boo
 }
 
 std::string power_refusal(PowerAnalysis analysis, const Protocol& protocol) {
-  const bool task = !task_of(protocol.task.kind).has_own_results();
+  const Evidence evidence = task_of(protocol.task.kind).evidence(protocol);
+  const bool task = evidence == Evidence::answers;
   const std::string& compared = protocol.analysis.outcome;
   // These move with the JND, and are told from answers without degrees of sureness.
   if (analysis == PowerAnalysis::registered && task && compared != "jnd" && compared != "threshold" &&
@@ -500,7 +503,7 @@ std::string power_refusal(PowerAnalysis analysis, const Protocol& protocol) {
     return "the protocol compares the " + compared + ", and what differs here is the JND";
   if (analysis != PowerAnalysis::registered && task && protocol.series.size() > 1)
     return "the protocol has several standards, and this analysis one JND of each condition";
-  if (analysis == PowerAnalysis::median && (task || protocol.design.procedure))
+  if (analysis == PowerAnalysis::median && evidence != Evidence::counts)
     return "the median is of least-squares JNDs: of same-different with given levels";
   return "";
 }

@@ -67,7 +67,7 @@ class StudyAnalyst {
   HierarchicalModel model_;
   double of_noise_ = 1;           // JND, as the protocol means it, of a noise s of 1
   bool known_ = true;             // the truth is: of participants simulated through the rig it is not
-  bool task_ = false;             // the protocol's task has estimates of its own; then
+  Evidence evidence_;             // of an estimate; of answers:
   bool compares_jnds_ = true;     // the registered outcome is the JND, or the Weber fraction
   std::size_t task_outcome_ = 0;  // its place
 };

@@ -94,19 +94,19 @@ void add_threshold(DrawnPerson& person, int participant, std::size_t condition, 
 void add_measured(DrawnPerson& person, int participant, const PersonAnswers& answers, const Protocol& protocol) {
   const Task& task = task_of(protocol.task.kind);
   const AnswerModel observer = task.answer_model(protocol).value();
-  const bool given_pairs = task.has_own_results() && !protocol.design.procedure;
+  const Evidence evidence = task.evidence(protocol);
   for (const PersonAnswer& one : answers.given) {
     LevelAnswer answer = task.level_answer(one.trial, protocol.task);
-    if (answer.level == 0 && given_pairs) {
+    if (answer.level == 0 && evidence == Evidence::counts) {
       const std::array<double, 2>& pair = protocol.series[static_cast<std::size_t>(one.series)].pair;
       answer.level = observer.level_of_equal(std::abs(pair[1] - pair[0]));
     }
     add_answers(person.answers, static_cast<std::size_t>(one.condition), answer.level, answer.positive ? 1 : 0,
                 answer.positive ? 0 : 1);
   }
-  if (!task.has_own_results())
+  if (evidence == Evidence::answers)
     add_estimates(person, participant, answers, protocol);
-  else if (protocol.design.procedure)
+  else if (evidence == Evidence::tracks)
     add_tracks(person, participant, answers.tracks, protocol);
   else
     add_thresholds(person, participant, answers.given, protocol);

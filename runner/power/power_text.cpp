@@ -8,6 +8,7 @@
 
 #include "data/fields/csv_writer.h"
 #include "protocols/planning/allotment.h"
+#include "protocols/tasks/level_source.h"
 #include "protocols/version.h"
 #include "runner/terminal/json_output.h"
 #include "runner/terminal/number_text.h"
@@ -382,9 +383,8 @@ std::string ademp_text(const PowerResult& result) {
   text += fmt::format(
       "| **Data-generating mechanisms** | {} participants; {}; {} with the effects {} (0: equal JNDs; 1: as planned); {}. "
       "{} studies of each design, seed {}; the same participants in every design |\n",
-      fmt::join(question.participants, ", "), trials,
-      result.protocol.design.procedure ? "levels set by the procedure" : "levels of the protocol",
-      fmt::join(question.effects, ", "), people_text(result), result.tally.studies, question.seed);
+      fmt::join(question.participants, ", "), trials, level_words(result.protocol), fmt::join(question.effects, ", "),
+      people_text(result), result.tally.studies, question.seed);
   text += fmt::format(
       "| **Estimands** | The JND of each condition (of the median person; for the registered mean the mean over people), and each contrast on the scale of its analysis ({}) |\n",
       scale_of(PowerAnalysis::registered, result, 0));

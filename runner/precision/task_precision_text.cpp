@@ -24,14 +24,8 @@ const Series& series_of(const TaskPrecisionRow& row, const Protocol& protocol) {
 }
 
 std::string assumed_of(const Protocol& protocol) {
-  const std::string answers =
-      protocol.task.kind == TaskKind::same_different
-          ? fmt::format(
-                "\"different\" is answered with probability Phi(difference / noise - {}), the criterion that the "
-                "procedure's prior expects",
-                four_digits(assumed_criterion(protocol)))
-          : "what is felt is the value plus normal noise, and the answer follows from what is felt, without bias";
-  return answers + ", without lapses, each answer independently of the others; everyone has the same noise";
+  return task_of(protocol.task.kind).unbiased_words(protocol) +
+         ", without lapses, each answer independently of the others; everyone has the same noise";
 }
 
 }  // namespace

@@ -63,7 +63,7 @@ SessionEnd SessionEngine::run(const SessionState& state, ResumeSteps steps) {
 }
 
 void SessionEngine::go_through() {
-  bool in_main = protocol_.task.kind == TaskKind::explore;
+  bool in_main = !parts_.plan.explorations.empty();
   for (;;) {
     const Step step = course_.next_step();
     if (!in_main && opens_main(step)) {
@@ -240,7 +240,7 @@ TrialOutline SessionEngine::outline_of(const Trial& trial) const {
   } else {
     outline.number = course_.main_done() + 1;
     outline.total = course_.main_done() + left;
-    outline.at_most = protocol_.design.procedure && can_end_early(*protocol_.design.procedure);
+    outline.at_most = can_end_early(protocol_);
   }
   const Condition& condition = protocol_.conditions[static_cast<std::size_t>(trial.condition)];
   if (const Prescription* const prescription = prescription_of(protocol_, condition)) {

@@ -87,9 +87,8 @@ SessionEnd run_participant(const Simulation& simulation, const RigFilter& rig_fi
   const SessionParts parts{simulation.protocol, plan, *rig, *responder, log, clock, view, interrupts(),
                            simulation.record,   false};
   const SessionEnd end = SessionEngine(parts).run(state);
-  // Trials that ended tracks did not need count as done, for the bar.
-  if (simulation.protocol.design.procedure && end == SessionEnd::completed)
-    trials += main_trial_count(plan) - view.saved_trials() - main_trials(state);
+  // Trials that nobody needed, such as those of tracks that ended before, count as done, for the bar.
+  if (end == SessionEnd::completed) trials += main_trial_count(plan) - view.saved_trials() - main_trials(state);
   return end;
 }
 
@@ -225,7 +224,7 @@ void for_counted(const SimulatedSessions& sessions, const Protocol& protocol,
   };
   for (const std::vector<Event>& events : sessions.events)
     for (const TrialRecord& record : replay(events).completed)
-      if (!record.trial.practice && (protocol.design.procedure || !excluded(record))) take(record);
+      if (!record.trial.practice && (record.trial.track > 0 || !excluded(record))) take(record);
 }
 
 bool simulate_people(const Simulation& simulation, const std::function<void(const SimulatedSessions&)>& take,
