@@ -301,6 +301,12 @@ void JsonReader::error(std::string_view key, std::string message, std::string su
   diagnostics_.push_back(std::move(diagnostic));
 }
 
+void JsonReader::refuse(std::span<const std::string_view> keys, const std::string& message,
+                        const std::string& suggestion) {
+  for (const std::string_view key : keys)
+    if (member(key) != nullptr) error(key, message, suggestion);
+}
+
 void JsonReader::finish() {
   if (!usable_) return;
   const std::vector<std::string_view> known(known_.begin(), known_.end());

@@ -25,6 +25,7 @@
 #include <initializer_list>
 #include <limits>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -111,6 +112,11 @@ class JsonReader {
 
   // Any kind of member, to be checked by the caller; null where missing.
   const JsonNode* member(std::string_view key);
+  // Members that have no meaning here: each is an error, and known.
+  void refuse(std::span<const std::string_view> keys, const std::string& message, const std::string& suggestion);
+  void refuse(std::initializer_list<std::string_view> keys, const std::string& message, const std::string& suggestion) {
+    refuse(std::span(keys.begin(), keys.size()), message, suggestion);
+  }
   // A key that is allowed and not used, such as "$schema".
   void ignore(std::string_view key) { (void)member(key); }
 

@@ -161,17 +161,14 @@ void look_at_question(JsonReader& reader, const PublishedValue& value, ProtocolR
 
 // Of free interaction: there are ratings alone, so what belongs to d' has no meaning.
 void read_analysis_of_ratings(JsonReader& reader, ProtocolReading& reading) {
-  for (const std::string_view key : {"model", "correction", "jnd", "criterion", "stiffness", "unfinished_tracks",
-                                     "group", "exclude", "outcome", "jnd_convention", "lapse"})
-    if (reader.member(key) != nullptr)
-      reader.error(key, "has no meaning with the paradigm \"explore\"", "remove it: there are no trials");
+  reader.refuse({"model", "correction", "jnd", "criterion", "stiffness", "unfinished_tracks", "group", "exclude",
+                 "outcome", "jnd_convention", "lapse"},
+                "has no meaning with the paradigm \"explore\"", "remove it: there are no trials");
   if (const JsonNode* contrasts = reader.array_or_null("contrasts", 0, 190)) read_contrasts(*contrasts, reading);
   if (const JsonNode* tests = reader.object_or_null("tests")) {
     JsonReader part(*tests, reading.errors, reading.file);
-    for (const std::string_view key : {"on", "omnibus", "post_hoc", "between"})
-      if (part.member(key) != nullptr)
-        part.error(key, "has no meaning with the paradigm \"explore\"",
-                   "remove it: ratings are compared by Wilcoxon's signed-rank test");
+    part.refuse({"on", "omnibus", "post_hoc", "between"}, "has no meaning with the paradigm \"explore\"",
+                "remove it: ratings are compared by Wilcoxon's signed-rank test");
     double& alpha = reading.protocol.analysis.tests.alpha;
     alpha = part.optional_number("alpha", {.min = 0, .max = 0.5, .above = true}).value_or(alpha);
     part.finish();
@@ -183,10 +180,9 @@ void read_analysis_of_ratings(JsonReader& reader, ProtocolReading& reading) {
 void read_analysis_of_task(const JsonNode& node, JsonReader& reader, ProtocolReading& reading) {
   AnalysisPlan& analysis = reading.protocol.analysis;
   const std::string task(to_string(reading.protocol.task.kind));
-  for (const std::string_view key : {"model", "correction", "jnd", "criterion", "stiffness"})
-    if (reader.member(key) != nullptr)
-      reader.error(key, fmt::format("belongs to the task \"same-different\", not to {}", in_quotes(task)),
-                   "remove it: \"outcome\" says what is compared");
+  reader.refuse({"model", "correction", "jnd", "criterion", "stiffness"},
+                fmt::format("belongs to the task \"same-different\", not to {}", in_quotes(task)),
+                "remove it: \"outcome\" says what is compared");
   JsonReader::Words<std::string> keys;
   const auto outcomes = measured_outcomes(reading.protocol);
   for (const TaskOutcome& outcome : outcomes) keys.emplace_back(outcome.key, std::string(outcome.key));
@@ -288,9 +284,8 @@ void read_analysis(const JsonNode& node, ProtocolReading& reading) {
   JsonReader reader(node, reading.errors, reading.file);
   if (reading.explores()) return read_analysis_of_ratings(reader, reading);
   if (!reading.has_pairs()) return read_analysis_of_task(node, reader, reading);
-  for (const std::string_view key : {"outcome", "jnd_convention", "lapse"})
-    if (reader.member(key) != nullptr)
-      reader.error(key, "has no meaning with the task \"same-different\"", "remove it: \"model\" and \"jnd\" say it");
+  reader.refuse({"outcome", "jnd_convention", "lapse"}, "has no meaning with the task \"same-different\"",
+                "remove it: \"model\" and \"jnd\" say it");
   analysis.model = reader.one_of<std::string>(
       "model",
       {{"yes-no", "yes-no"}, {"differencing", "differencing"}, {"independent-observation", "independent-observation"}});

@@ -40,12 +40,8 @@ void read_explore(const JsonNode& node, ProtocolReading& reading) {
 }
 
 void refuse_trials(JsonReader& outer) {
-  for (const std::string_view key : {"task", "standards", "levels", "classes"})
-    if (outer.member(key) != nullptr)
-      outer.error(key, "has no meaning with the paradigm \"explore\"", "remove it: there are no trials");
-  for (const std::string_view key : {"trial", "series", "practice", "feedback"})
-    if (outer.member(key) != nullptr)
-      outer.error(key, "has no meaning with the paradigm \"explore\"", "remove it: there are no trials");
+  outer.refuse({"task", "standards", "levels", "classes", "trial", "series", "practice", "feedback"},
+               "has no meaning with the paradigm \"explore\"", "remove it: there are no trials");
 }
 
 void lint_explore(ProtocolReading& reading) {

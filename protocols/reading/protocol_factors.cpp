@@ -89,10 +89,9 @@ void read_rig_settings(JsonReader& reader, Condition& condition, ProtocolReading
     read_parameters(*parameters, condition.parameters, reading);
   if (const JsonNode* parameters = reader.object_or_null("standard_parameters"))
     read_standard_parameters(*parameters, condition, reading);
-  for (const char* const key : {"cues", "devices"})
-    if (reader.member(key) != nullptr)
-      reader.error(key, fmt::format("belongs to our own devices, not to {}", in_quotes(reading.protocol.rig.device)),
-                   "remove it: \"parameters\" say what the rig is to do");
+  reader.refuse({"cues", "devices"},
+                fmt::format("belongs to our own devices, not to {}", in_quotes(reading.protocol.rig.device)),
+                "remove it: \"parameters\" say what the rig is to do");
 }
 
 // Whether the condition has devices, and what these render.
@@ -156,14 +155,13 @@ void read_conditions(const JsonNode& list, ProtocolReading& reading) {
     condition.label = reader.text("label", {.max_length = 100});
     if (reading.protocol.rig.built_in()) {
       read_devices(reader, condition, reading);
-      for (const char* const key : {"parameters", "standard_parameters"})
-        if (reader.member(key) != nullptr)
-          reader.error(key, "belong to the rigs \"external\" and \"specimens\"", "remove them: our devices have cues");
+      reader.refuse({"parameters", "standard_parameters"}, "belong to the rigs \"external\" and \"specimens\"",
+                    "remove them: our devices have cues");
     } else {
       read_rig_settings(reader, condition, reading);
     }
-    if (reading.explores() && reader.member("prescription") != nullptr)
-      reader.error("prescription", "has no meaning with the paradigm \"explore\"", "remove it: there are no trials");
+    if (reading.explores())
+      reader.refuse({"prescription"}, "has no meaning with the paradigm \"explore\"", "remove it: there are no trials");
     else if (const JsonNode* prescription = reader.object_or_null("prescription"))
       condition.prescription = read_prescription(*prescription, reading);
     reader.finish();
@@ -203,25 +201,20 @@ void read_design(const JsonNode& node, ProtocolReading& reading) {
   design.sessions = reader.integer_or("sessions", 1, {.min = 1, .max = 20});
   read_allotment(reader, reading);
   if (reading.explores()) {
-    for (const std::string_view key :
-         {"trials_per_cell", "sampling", "run_limit", "procedure", "conditions", "per_series"})
-      if (reader.member(key) != nullptr)
-        reader.error(key, "has no meaning with the paradigm \"explore\"", "remove it: there are no trials");
+    reader.refuse({"trials_per_cell", "sampling", "run_limit", "procedure", "conditions", "per_series"},
+                  "has no meaning with the paradigm \"explore\"", "remove it: there are no trials");
     if (const JsonNode* order = reader.object("order")) {
       JsonReader part(*order, reading.errors, reading.file);
       design.condition_order = read_order(part, "conditions");
-      if (part.member("series") != nullptr)
-        part.error("series", "there are no series to order", "remove it; objects are always dealt");
+      part.refuse({"series"}, "there are no series to order", "remove it; objects are always dealt");
       part.finish();
     }
     return reader.finish();
   }
   const JsonNode* procedure = reader.object_or_null("procedure");
   if (reading.adaptive()) {
-    for (const std::string_view key : {"trials_per_cell", "sampling", "run_limit"})
-      if (reader.member(key) != nullptr)
-        reader.error(key, "has no meaning beside \"procedure\"",
-                     "remove it: the procedure's \"stop\" and \"catch_share\" say how many trials there are");
+    reader.refuse({"trials_per_cell", "sampling", "run_limit"}, "has no meaning beside \"procedure\"",
+                  "remove it: the procedure's \"stop\" and \"catch_share\" say how many trials there are");
     if (procedure != nullptr) read_procedure(*procedure, reading);
   } else {
     design.trials_per_cell = reader.integer("trials_per_cell", {.min = reading.has_pairs() ? 2 : 1, .max = 2000});

@@ -38,12 +38,10 @@ void read_what_is_presented(JsonReader& reader, ProtocolReading& reading) {
     if (const JsonNode* node = reader.object("explore")) read_explore(*node, reading);
     return;
   }
-  if (reader.member("explore") != nullptr)
-    reader.error("explore", "belongs to the paradigm \"explore\"", "remove it, or change the paradigm");
+  reader.refuse({"explore"}, "belongs to the paradigm \"explore\"", "remove it, or change the paradigm");
   if (!reading.has_pairs()) return read_comparisons(reader, reading);
-  for (const char* const key : {"standards", "levels", "classes"})
-    if (reader.member(key) != nullptr)
-      reader.error(key, "has no meaning with the task \"same-different\"", "write \"series\": the pairs");
+  reader.refuse({"standards", "levels", "classes"}, "has no meaning with the task \"same-different\"",
+                "write \"series\": the pairs");
   if (!reading.adaptive()) {
     if (const JsonNode* list = reader.array("series", 1, 50)) read_series(*list, reading);
   } else if (reader.member("series") != nullptr) {

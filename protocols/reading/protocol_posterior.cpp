@@ -161,9 +161,8 @@ std::string limits_path(const AdaptiveProcedure& procedure) {
 }
 
 void read_posterior(JsonReader& reader, AdaptiveProcedure& procedure, ProtocolReading& reading) {
-  for (const std::string_view key : {"starts", "clamp"})
-    if (reader.member(key) != nullptr)
-      reader.error(key, "has no meaning in a posterior procedure, which chooses among its levels", "remove it");
+  reader.refuse({"starts", "clamp"}, "has no meaning in a posterior procedure, which chooses among its levels",
+                "remove it");
   const NumberLimits limits{.min = 0, .max = 20000, .above = true, .unit = to_string(reading.protocol.stimulus.unit)};
   std::vector<double>& levels = procedure.posterior.levels;
   levels = read_values(reader, "levels", true, {2, 50}, limits, reading);

@@ -72,9 +72,7 @@ constexpr std::array<std::string_view, 2> kModelKeys = {"grid", "prior"};  // of
 constexpr std::array<std::string_view, 1> kThresholdKeys = {"threshold"};  // of a staircase
 
 void refuse(JsonReader& reader, std::string_view kind, std::span<const std::string_view> keys) {
-  for (const std::string_view key : keys)
-    if (reader.member(key) != nullptr)
-      reader.error(key, fmt::format("has no meaning in a {} procedure", kind), "remove it, or change the kind");
+  reader.refuse(keys, fmt::format("has no meaning in a {} procedure", kind), "remove it, or change the kind");
 }
 
 // The mean of reversals, or the posterior of all answers.
@@ -82,10 +80,8 @@ void read_threshold(JsonReader& reader, AdaptiveProcedure& procedure, ProtocolRe
   procedure.joint_likelihood =
       reader.one_of_or<bool>("threshold", {{"reversals", false}, {"joint-likelihood", true}}, false);
   if (!procedure.joint_likelihood) {
-    for (const std::string_view key : kModelKeys)
-      if (reader.member(key) != nullptr)
-        reader.error(key, "belongs to a threshold by joint likelihood",
-                     R"(remove it, or write "threshold": "joint-likelihood")");
+    reader.refuse(kModelKeys, "belongs to a threshold by joint likelihood",
+                  R"(remove it, or write "threshold": "joint-likelihood")");
     return;
   }
   if (reading.has_pairs()) return read_response_model(reader, procedure, reading);
@@ -259,11 +255,10 @@ void read_procedure(const JsonNode& node, ProtocolReading& reading) {
         chooses ? reader.number_or("catch_share", kPosteriorCatchShare, share) : reader.number("catch_share", share);
   } else {
     procedure.catch_share = 0;
-    if (reader.member("catch_share") != nullptr)
-      reader.error("catch_share", "has no meaning where every trial has a correct answer", "remove it");
+    reader.refuse({"catch_share"}, "has no meaning where every trial has a correct answer", "remove it");
   }
-  if (reading.has_pairs() && reader.member("side") != nullptr)
-    reader.error("side", "belongs to tasks with standards: comparisons of pairs are softer", "remove it");
+  if (reading.has_pairs())
+    reader.refuse({"side"}, "belongs to tasks with standards: comparisons of pairs are softer", "remove it");
   if (!reading.has_pairs())
     procedure.sides =
         reader.one_of<std::vector<int>>("side", {{"below", {-1}}, {"above", {1}}, {"both", {-1, 1}}, {"across", {0}}});

@@ -100,9 +100,8 @@ void read_surroundings(JsonReader& reader, ProtocolReading& reading) {
   if (!reading.explores()) {
     read_sphere_or_object(reader, reading);
   } else {
-    for (const char* const key : {"sphere_radius_m", "object"})
-      if (reader.member(key) != nullptr)
-        reader.error(key, "has no meaning with the paradigm \"explore\"", "$.explore.objects names what is touched");
+    reader.refuse({"sphere_radius_m", "object"}, "has no meaning with the paradigm \"explore\"",
+                  "$.explore.objects names what is touched");
   }
   if (const JsonNode* flexion = reader.member("contact_flexion_rad")) {
     reading.error(*flexion, "\"contact_flexion_rad\" belongs to a rig that drives a joint",
@@ -172,11 +171,9 @@ void read_other_rig(JsonReader& reader, ProtocolReading& reading) {
   } else if (reader.member("specimens") != nullptr) {
     reader.error("specimens", fmt::format("belong to the rig {}", in_quotes(kSpecimenRig)), "remove them");
   }
-  for (const char* const key :
-       {"fingers", "tracker", "mode", "separation_m", "sphere_radius_m", "object", "contact_flexion_rad"})
-    if (reader.member(key) != nullptr)
-      reader.error(key, fmt::format("belongs to our own devices, not to {}", in_quotes(rig.device)),
-                   "remove it: parameters of a condition say what the rig is to do");
+  reader.refuse({"fingers", "tracker", "mode", "separation_m", "sphere_radius_m", "object", "contact_flexion_rad"},
+                fmt::format("belongs to our own devices, not to {}", in_quotes(rig.device)),
+                "remove it: parameters of a condition say what the rig is to do");
   reader.finish();
 }
 
@@ -202,8 +199,7 @@ void read_rig(const JsonNode& node, ProtocolReading& reading) {
     reader.error("device", fmt::format("{} cannot go round an object", in_quotes(rig.device)),
                  "free interaction needs fingertip devices alone: \"rrs3\"");
   if (!rig.built_in()) return read_other_rig(reader, reading);
-  if (reader.member("specimens") != nullptr)
-    reader.error("specimens", fmt::format("belong to the rig {}", in_quotes(kSpecimenRig)), "remove them");
+  reader.refuse({"specimens"}, fmt::format("belong to the rig {}", in_quotes(kSpecimenRig)), "remove them");
   reading.protocol.stimulus.unit = fitting_unit(rig);
   if (const JsonNode* fingers = reader.array("fingers", 1, 2)) read_fingers(*fingers, reading);
   read_tracker(reader, reading);

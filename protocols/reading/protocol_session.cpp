@@ -18,21 +18,18 @@ void read_practice_standard(JsonReader& reader, Practice& practice, ProtocolRead
     reader.ignore("standard");
   if (const JsonNode* standard = reader.node().find("standard"); standard != nullptr && reading.sound(standard->path))
     practice.series = series_place(*standard, reading).value_or(0);
-  if (reader.member("series") != nullptr)
-    reader.error("series", "has no meaning beside standards", "write \"standard\" and the name of one");
+  reader.refuse({"series"}, "has no meaning beside standards", "write \"standard\" and the name of one");
 }
 
 void read_practice_series(JsonReader& reader, Practice& practice, ProtocolReading& reading) {
   if (!reading.has_pairs()) {
-    if (reader.member("difference") != nullptr)
-      reader.error("difference", "belongs to a design with a procedure", "remove it: the levels are practised");
+    reader.refuse({"difference"}, "belongs to a design with a procedure", "remove it: the levels are practised");
     return read_practice_standard(reader, practice, reading);
   }
   (void)reader.text("series", {.max_length = 100});
   if (const JsonNode* series = reader.node().find("series"); series != nullptr && reading.sound(series->path))
     practice.series = series_place(*series, reading).value_or(0);
-  if (reader.member("difference") != nullptr)
-    reader.error("difference", "belongs to a design with a procedure", "remove it: \"series\" names the pair");
+  reader.refuse({"difference"}, "belongs to a design with a procedure", "remove it: \"series\" names the pair");
 }
 
 void read_practice_difference(JsonReader& reader, Practice& practice, ProtocolReading& reading) {
@@ -49,9 +46,8 @@ void read_practice_difference(JsonReader& reader, Practice& practice, ProtocolRe
                  fmt::format("a comparison {} {} softer than the reference, {}, is too soft",
                              plain(*practice.difference), to_string(unit), plain(reference)),
                  fmt::format("at most {}", plain(reference - softest)));
-  if (reader.member("series") != nullptr)
-    reader.error("series", "has no meaning beside $.design.procedure",
-                 "remove it: \"difference\" says how much softer the comparison is");
+  reader.refuse({"series"}, "has no meaning beside $.design.procedure",
+                "remove it: \"difference\" says how much softer the comparison is");
 }
 
 }  // namespace
@@ -59,8 +55,7 @@ void read_practice_difference(JsonReader& reader, Practice& practice, ProtocolRe
 void read_practice(const JsonNode& node, ProtocolReading& reading) {
   Practice practice;
   JsonReader reader(node, reading.errors, reading.file);
-  if (reading.has_pairs() && reader.member("standard") != nullptr)
-    reader.error("standard", "belongs to tasks with standards", "remove it");
+  if (reading.has_pairs()) reader.refuse({"standard"}, "belongs to tasks with standards", "remove it");
   practice.trials = reader.integer("trials", {.min = 1, .max = 200});
   if (reading.adaptive())
     read_practice_difference(reader, practice, reading);

@@ -74,11 +74,9 @@ void read_named_quantity(JsonReader& reader, ProtocolReading& reading) {
   stimulus.quantity = reader.text("quantity", {.max_length = 32});
   const std::string unit = reader.text("unit", {.max_length = 16});
   if (!unit.empty()) stimulus.unit = Unit::named(unit);
-  for (const char* const key :
-       {"expected_press_m", "expected_press_rad", "viscosity_n_s_per_m", "viscosity_n_s_per_rad"})
-    if (reader.member(key) != nullptr)
-      reader.error(key, fmt::format("belongs to our own devices, not to {}", in_quotes(reading.protocol.rig.device)),
-                   "remove it: parameters of a condition say what the rig is to do");
+  reader.refuse({"expected_press_m", "expected_press_rad", "viscosity_n_s_per_m", "viscosity_n_s_per_rad"},
+                fmt::format("belongs to our own devices, not to {}", in_quotes(reading.protocol.rig.device)),
+                "remove it: parameters of a condition say what the rig is to do");
 }
 
 // The value that the Weber fraction is of: of pairs it is named, otherwise it is the standard.

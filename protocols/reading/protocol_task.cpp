@@ -123,9 +123,8 @@ void read_classes(const JsonNode& list, ProtocolReading& reading) {
   reading.protocol.series.push_back(std::move(series));
 }
 
-void refuse_member(JsonReader& reader, std::string_view key, const std::string& task, std::string_view instead) {
-  if (reader.member(key) != nullptr)
-    reader.error(key, fmt::format("has no meaning with the task {}", in_quotes(task)), std::string(instead));
+void refuse_member(JsonReader& reader, std::string_view key, const std::string& task, const std::string& instead) {
+  reader.refuse({key}, fmt::format("has no meaning with the task {}", in_quotes(task)), instead);
 }
 
 // Every value must lie on the table, and where a trial presents it twice, twice.

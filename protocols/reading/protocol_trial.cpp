@@ -99,8 +99,7 @@ void read_answers(JsonReader& reader, ProtocolReading& reading) {
   TaskSpec& task = reading.protocol.task;
   task.answers = answers_of(task);
   if (task.answers.empty()) {
-    if (reader.member("keys") != nullptr)
-      reader.error("keys", "has no meaning where the answer is a number", "remove it: the number is typed");
+    reader.refuse({"keys"}, "has no meaning where the answer is a number", "remove it: the number is typed");
     return;
   }
   if (const JsonNode* keys = reader.object("keys")) read_keys(*keys, reading);
