@@ -22,36 +22,12 @@ void AbxTask::read(JsonReader&, TaskSpec& spec) const {
   spec.classes = {"A", "B"};
 }
 
-namespace {
-
 // Either of the two first, and either of them once more as X.
-std::vector<DrawnTrial> arrangements_of(double standard, double comparison, int side = -1) {
+std::vector<DrawnTrial> AbxTask::arrangements(const CellDraw& cell, double comparison, int) const {
   std::vector<DrawnTrial> arrangements;
-  for (const Intervals& pair : orders_of(standard, comparison, false))
-    for (int x = 0; x < 2; ++x)
-      arrangements.push_back({{pair[0], pair[1], pair[static_cast<std::size_t>(x)]}, x, side});
+  for (const Intervals& pair : orders_of(cell.series.standard, comparison, false))
+    for (int x = 0; x < 2; ++x) arrangements.push_back({{pair[0], pair[1], pair[static_cast<std::size_t>(x)]}, x});
   return arrangements;
-}
-
-}  // namespace
-
-std::vector<DrawnTrial> AbxTask::draw(const CellDraw& cell, RandomStream& stream) const {
-  std::vector<DrawnTrial> trials;
-  for (const double level : cell.series.levels)
-    add_level(trials, arrangements_of(cell.series.standard, level), cell.trials, cell.sampling, stream);
-  stream.shuffle(trials);
-  return trials;
-}
-
-std::vector<DrawnTrial> AbxTask::draw_track(const CellDraw& track, const AdaptiveProcedure& procedure,
-                                            RandomStream& stream) const {
-  const double standard = track.series.standard;
-  std::vector<DrawnTrial> block;
-  for (const int side : procedure.sides) {
-    const std::vector<DrawnTrial> both = arrangements_of(standard, set_by_answers(standard), side);
-    block.insert(block.end(), both.begin(), both.end());
-  }
-  return track_of(block, track.trials, stream);
 }
 
 int AbxTask::target_of(const Intervals& stimuli, double, const TaskSpec&) const noexcept {

@@ -18,9 +18,7 @@ class AbxTask final : public Task {
   bool has_procedures() const noexcept override { return true; }
   int balance_of(const TaskSpec&) const noexcept override { return 4; }
   int intervals(const TaskSpec&) const noexcept override { return 3; }
-  std::vector<DrawnTrial> draw(const CellDraw& cell, RandomStream& stream) const override;
-  std::vector<DrawnTrial> draw_track(const CellDraw& track, const AdaptiveProcedure& procedure,
-                                     RandomStream& stream) const override;
+  std::vector<DrawnTrial> arrangements(const CellDraw& cell, double comparison, int side) const override;
   int target_of(const Intervals& stimuli, double standard, const TaskSpec& spec) const noexcept override;
   Answer answer(std::span<const Felt> felt, const Trial& trial, const Protocol& protocol,
                 RandomStream& stream) const override;

@@ -75,10 +75,6 @@ std::vector<DrawnTrial> AdjustTask::draw(const CellDraw& cell, RandomStream& str
   return trials;
 }
 
-int AdjustTask::target_of(const Intervals&, double, const TaskSpec&) const noexcept {
-  return -1;
-}
-
 std::string AdjustTask::target_word(const Trial& trial, const TaskSpec&) const {
   return trial.side < 0 ? "from below" : "from above";
 }

@@ -22,7 +22,6 @@ class AdjustTask final : public Task {
   int cells_in(const Series&) const noexcept override { return 1; }
   int intervals(const TaskSpec&) const noexcept override { return 2; }
   std::vector<DrawnTrial> draw(const CellDraw& cell, RandomStream& stream) const override;
-  int target_of(const Intervals& stimuli, double standard, const TaskSpec& spec) const noexcept override;
   std::string target_word(const Trial& trial, const TaskSpec& spec) const override;
   bool adjusts() const noexcept override { return true; }
   std::optional<Intervals> moved(const Intervals& now, const Answer& answer, const Trial& trial,

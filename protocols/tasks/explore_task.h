@@ -12,16 +12,11 @@ class ExploreTask final : public Task {
   bool has_trials() const noexcept override { return false; }
   std::string_view values_path() const noexcept override { return "$.stimulus.reference"; }
   void read(JsonReader&, TaskSpec&) const override {}
-  int balance_of(const TaskSpec&) const noexcept override { return 1; }
   int intervals(const TaskSpec&) const noexcept override { return 0; }
-  std::vector<DrawnTrial> draw(const CellDraw&, RandomStream&) const override { return {}; }
-  int target_of(const Intervals&, double, const TaskSpec&) const noexcept override { return -1; }
-  Answer answer(std::span<const Felt>, const Trial&, const Protocol&, RandomStream&) const override { return {}; }
   std::vector<TaskOutcome> outcomes(const Protocol&) const override { return {}; }
   TaskEstimates estimate(const Protocol&, const Series&, std::span<const AnsweredTrial>) const override {
     return {"no_trials", {}};
   }
-  std::string methods(const Protocol&) const override { return {}; }
 };
 
 }  // namespace jnd

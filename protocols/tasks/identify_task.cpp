@@ -21,12 +21,8 @@ TaskStart IdentifyTask::start() const {
 // Its classes are read with the levels: each has a name and a value.
 void IdentifyTask::read(JsonReader&, TaskSpec&) const {}
 
-std::vector<DrawnTrial> IdentifyTask::draw(const CellDraw& cell, RandomStream& stream) const {
-  std::vector<DrawnTrial> trials;
-  for (std::size_t i = 0; i < cell.series.levels.size(); ++i)
-    add_level(trials, {{{cell.series.levels[i]}, static_cast<int>(i)}}, cell.trials, cell.sampling, stream);
-  stream.shuffle(trials);
-  return trials;
+std::vector<DrawnTrial> IdentifyTask::arrangements(const CellDraw& cell, double value, int) const {
+  return {{{value}, target_of({value}, 0, cell.protocol.task)}};
 }
 
 int IdentifyTask::target_of(const Intervals& stimuli, double, const TaskSpec& spec) const noexcept {

@@ -16,9 +16,8 @@ class IdentifyTask final : public Task {
   TaskStart start() const override;
   void read(JsonReader& section, TaskSpec& spec) const override;
   bool has_standard() const noexcept override { return false; }
-  int balance_of(const TaskSpec&) const noexcept override { return 1; }
   int intervals(const TaskSpec&) const noexcept override { return 1; }
-  std::vector<DrawnTrial> draw(const CellDraw& cell, RandomStream& stream) const override;
+  std::vector<DrawnTrial> arrangements(const CellDraw& cell, double comparison, int side) const override;
   int target_of(const Intervals& stimuli, double standard, const TaskSpec& spec) const noexcept override;
   Answer answer(std::span<const Felt> felt, const Trial& trial, const Protocol& protocol,
                 RandomStream& stream) const override;

@@ -38,18 +38,8 @@ void MagnitudeTask::read(JsonReader& section, TaskSpec& spec) const {
   spec.number_max = section.number_or("highest", 1e6, {.min = 0, .max = 1e9, .above = true});
 }
 
-std::vector<DrawnTrial> MagnitudeTask::draw(const CellDraw& cell, RandomStream& stream) const {
-  std::vector<DrawnTrial> trials;
-  for (const double level : cell.series.levels) {
-    const Intervals stimuli = cell.protocol.task.modulus ? Intervals{cell.series.standard, level} : Intervals{level};
-    add_level(trials, {{stimuli, -1}}, cell.trials, cell.sampling, stream);
-  }
-  stream.shuffle(trials);
-  return trials;
-}
-
-int MagnitudeTask::target_of(const Intervals&, double, const TaskSpec&) const noexcept {
-  return -1;
+std::vector<DrawnTrial> MagnitudeTask::arrangements(const CellDraw& cell, double level, int) const {
+  return {{.stimuli = cell.protocol.task.modulus ? Intervals{cell.series.standard, level} : Intervals{level}}};
 }
 
 Answer MagnitudeTask::answer(std::span<const Felt> felt, const Trial& trial, const Protocol& protocol,

@@ -49,41 +49,19 @@ std::vector<TaskProblem> OddityTask::problems(const Protocol& protocol) const {
   return problems;
 }
 
-namespace {
-
 // In every place the comparison, or where the odd one is not directed either of the two.
-std::vector<DrawnTrial> triads_of(double standard, double comparison, const TaskSpec& spec, int side = -1) {
+std::vector<DrawnTrial> OddityTask::arrangements(const CellDraw& cell, double comparison, int) const {
+  const double standard = cell.series.standard;
   std::vector<DrawnTrial> triads;
   for (const auto& [odd, others] : {std::pair(comparison, standard), std::pair(standard, comparison)}) {
-    if (spec.directed && odd == standard) continue;
+    if (cell.protocol.task.directed && odd == standard) continue;
     for (std::size_t place = 0; place < 3; ++place) {
       Intervals stimuli{others, others, others};
       stimuli[place] = odd;
-      triads.push_back({stimuli, static_cast<int>(place), side});
+      triads.push_back({stimuli, static_cast<int>(place)});
     }
   }
   return triads;
-}
-
-}  // namespace
-
-std::vector<DrawnTrial> OddityTask::draw(const CellDraw& cell, RandomStream& stream) const {
-  std::vector<DrawnTrial> trials;
-  for (const double level : cell.series.levels)
-    add_level(trials, triads_of(cell.series.standard, level, cell.protocol.task), cell.trials, cell.sampling, stream);
-  stream.shuffle(trials);
-  return trials;
-}
-
-std::vector<DrawnTrial> OddityTask::draw_track(const CellDraw& track, const AdaptiveProcedure& procedure,
-                                               RandomStream& stream) const {
-  const double standard = track.series.standard;
-  std::vector<DrawnTrial> block;
-  for (const int side : procedure.sides) {
-    const std::vector<DrawnTrial> triads = triads_of(standard, set_by_answers(standard), track.protocol.task, side);
-    block.insert(block.end(), triads.begin(), triads.end());
-  }
-  return track_of(block, track.trials, stream);
 }
 
 int OddityTask::target_of(const Intervals& stimuli, double, const TaskSpec&) const noexcept {

@@ -19,9 +19,7 @@ class OddityTask final : public Task {
   std::vector<TaskProblem> problems(const Protocol& protocol) const override;
   int balance_of(const TaskSpec& spec) const noexcept override { return spec.directed ? 3 : 6; }
   int intervals(const TaskSpec&) const noexcept override { return 3; }
-  std::vector<DrawnTrial> draw(const CellDraw& cell, RandomStream& stream) const override;
-  std::vector<DrawnTrial> draw_track(const CellDraw& track, const AdaptiveProcedure& procedure,
-                                     RandomStream& stream) const override;
+  std::vector<DrawnTrial> arrangements(const CellDraw& cell, double comparison, int side) const override;
   int target_of(const Intervals& stimuli, double standard, const TaskSpec& spec) const noexcept override;
   Answer answer(std::span<const Felt> felt, const Trial& trial, const Protocol& protocol,
                 RandomStream& stream) const override;

@@ -127,9 +127,7 @@ int SameDifferentTask::target_of(const Intervals& stimuli, double, const TaskSpe
 
 // By the size of the felt difference: "different" above the noise of one interval.
 Answer SameDifferentTask::answer(std::span<const Felt> felt, const Trial&, const Protocol&, RandomStream&) const {
-  Answer answer;
-  answer.said = std::abs(felt[0].value - felt[1].value) > felt[0].sigma ? kClassDifferent : kClassSame;
-  return answer;
+  return {.said = std::abs(felt[0].value - felt[1].value) > felt[0].sigma ? kClassDifferent : kClassSame};
 }
 
 Answer SameDifferentTask::unbiased_answer(const Intervals& presented, const Trial&, const Protocol& protocol,

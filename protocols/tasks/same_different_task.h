@@ -56,7 +56,6 @@ class SameDifferentTask final : public Task {
   std::vector<TaskOutcome> outcomes(const Protocol& protocol) const override;
   TaskEstimates estimate(const Protocol& protocol, const Series& series,
                          std::span<const AnsweredTrial> trials) const override;
-  std::string methods(const Protocol&) const override { return {}; }
 };
 
 }  // namespace jnd

@@ -11,6 +11,7 @@
 
 #include "protocols/tasks/abx_task.h"
 #include "protocols/tasks/adjust_task.h"
+#include "protocols/tasks/arrangements.h"
 #include "protocols/tasks/catch_trials.h"
 #include "protocols/tasks/explore_task.h"
 #include "protocols/tasks/identify_task.h"
@@ -26,8 +27,30 @@ std::string Task::without_model(const Protocol&) const {
   return fmt::format("the task \"{}\"", to_string(kind()));
 }
 
-std::vector<DrawnTrial> Task::draw_track(const CellDraw&, const AdaptiveProcedure&, RandomStream&) const {
-  throw std::logic_error("a task without procedures has no tracks");
+std::vector<DrawnTrial> Task::draw(const CellDraw& cell, RandomStream& stream) const {
+  std::vector<DrawnTrial> trials;
+  const double standard = cell.series.standard;
+  for (const double level : cell.series.levels)
+    add_level(trials,
+              arrangements(cell, level,
+                           level < standard   ? -1
+                           : level > standard ? 1
+                                              : 0),
+              cell.trials, cell.sampling, stream);
+  stream.shuffle(trials);
+  return trials;
+}
+
+std::vector<DrawnTrial> Task::draw_track(const CellDraw& track, const AdaptiveProcedure& procedure,
+                                         RandomStream& stream) const {
+  std::vector<DrawnTrial> block;
+  for (const int side : procedure.sides)
+    for (DrawnTrial& slot : arrangements(track, set_by_answers(track.series.standard), side)) {
+      slot.side = side;
+      block.push_back(slot);
+    }
+  if (block.empty()) throw std::logic_error("a task without procedures has no tracks");
+  return track_of(block, track.trials, stream);
 }
 
 std::vector<DrawnTrial> Task::draw_practice(const CellDraw& round, RandomStream& stream) const {

@@ -182,7 +182,7 @@ class Task {
   // Whether a series has a standard that the levels are compared with; otherwise they stand for themselves.
   virtual bool has_standard() const noexcept { return true; }
   // How many trials of a level hold every order equally often: with balanced sampling trials_per_cell is a multiple.
-  virtual int balance_of(const TaskSpec& spec) const noexcept = 0;
+  virtual int balance_of(const TaskSpec&) const noexcept { return 1; }
 
   // Planning.
   // How many cells of `trials_per_cell` trials a condition has in a series: by default one for every level.
@@ -193,15 +193,21 @@ class Task {
   // Words for a condition's cells whose levels are given: "1 standard x 8 levels x 10 trials per cell".
   virtual std::string cells_text(const Protocol& protocol) const;
   virtual int intervals(const TaskSpec& spec) const noexcept = 0;
-  // A cell, in any order: the plan shuffles nothing after it.
-  virtual std::vector<DrawnTrial> draw(const CellDraw& cell, RandomStream& stream) const = 0;
-  // The slots of a track of the procedure, `trials` of them with a comparison that the answers set.
+  // The arrangements of a comparison that lies on that side of the standard (-1 below, 1 above, 0 at or across it), which
+  // come equally often, whoever sets the level.
+  virtual std::vector<DrawnTrial> arrangements(const CellDraw&, double /*comparison*/, int /*side*/) const {
+    return {};
+  }
+  // A cell, in any order: the plan shuffles nothing after it. By default the arrangements of all levels.
+  virtual std::vector<DrawnTrial> draw(const CellDraw& cell, RandomStream& stream) const;
+  // The slots of a track of the procedure, `trials` of them with a comparison that the answers set: by default its
+  // arrangements.
   virtual std::vector<DrawnTrial> draw_track(const CellDraw& track, const AdaptiveProcedure& procedure,
                                              RandomStream& stream) const;
   // A round of practice with `trials` trials: of every level, as far as they go.
   virtual std::vector<DrawnTrial> draw_practice(const CellDraw& round, RandomStream& stream) const;
   // Which class a trial's stimuli belong to, once all are known.
-  virtual int target_of(const Intervals& stimuli, double standard, const TaskSpec& spec) const noexcept = 0;
+  virtual int target_of(const Intervals&, double /*standard*/, const TaskSpec&) const noexcept { return -1; }
   // What a plan says of a trial in words: "same", "second", "signal".
   virtual std::string target_word(const Trial& trial, const TaskSpec& spec) const;
 
@@ -219,11 +225,9 @@ class Task {
   virtual Answer settled(Answer answer, const Intervals& /*presented*/) const noexcept { return answer; }
 
   // The response model: what is answered by somebody who felt that. One draw each from `stream` where a coin decides.
-  virtual Answer answer(std::span<const Felt> felt, const Trial& trial, const Protocol& protocol,
-                        RandomStream& stream) const = 0;
+  virtual Answer answer(std::span<const Felt>, const Trial&, const Protocol&, RandomStream&) const { return {}; }
 
-  // Whether a simulated participant compares two presentations cue by cue, by a criterion of its profile, instead of what
-  // was felt of each.
+  // Whether a simulated participant compares two presentations cue by cue, by its profile's criterion, and not by answer().
   virtual bool compares_cues() const noexcept { return false; }
   // The same without bias, to which two equal intervals differ with a standard deviation of `noise`, in the study's unit.
   virtual Answer unbiased_answer(const Intervals& presented, const Trial& trial, const Protocol& protocol, double noise,
@@ -247,7 +251,7 @@ class Task {
   // none where it measures none.
   virtual std::optional<double> jnd_of_noise(const Protocol&) const { return std::nullopt; }
   // How the estimates come about, in sentences for a paper.
-  virtual std::string methods(const Protocol& protocol) const = 0;
+  virtual std::string methods(const Protocol&) const { return {}; }
 };
 
 const Task& task_of(TaskKind kind);

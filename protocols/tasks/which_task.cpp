@@ -49,37 +49,17 @@ std::vector<TaskProblem> WhichTask::problems(const Protocol& protocol) const {
   return problems_of_places(protocol);
 }
 
-std::vector<DrawnTrial> WhichTask::draw(const CellDraw& cell, RandomStream& stream) const {
+std::vector<DrawnTrial> WhichTask::arrangements(const CellDraw& cell, double comparison, int side) const {
   const TaskSpec& spec = cell.protocol.task;
-  std::vector<DrawnTrial> trials;
-  for (const double level : cell.series.levels) {
-    std::vector<DrawnTrial> orders;
-    for (const Intervals& stimuli : orders_of(cell.series.standard, level, spec.standard_first)) {
-      const int place = level == cell.series.standard ? static_cast<int>(orders.size()) : -1;
-      orders.push_back(
-          {.stimuli = stimuli, .target = target_of(stimuli, cell.series.standard, spec), .standard_place = place});
-    }
-    add_level(trials, std::move(orders), cell.trials, cell.sampling, stream);
+  std::vector<DrawnTrial> orders;
+  for (const Intervals& stimuli : orders_of(cell.series.standard, comparison, spec.standard_first)) {
+    const bool comparison_first = !orders.empty();
+    if (side == 0)  // what is correct is known once the comparison is
+      orders.push_back({.stimuli = stimuli, .standard_place = comparison_first ? 1 : 0});
+    else
+      orders.push_back({.stimuli = stimuli, .target = chosen(comparison_first == (side > 0), spec)});
   }
-  stream.shuffle(trials);
-  return trials;
-}
-
-std::vector<DrawnTrial> WhichTask::draw_track(const CellDraw& track, const AdaptiveProcedure& procedure,
-                                              RandomStream& stream) const {
-  const TaskSpec& spec = track.protocol.task;
-  const double comparison = set_by_answers(track.series.standard);
-  std::vector<DrawnTrial> block;
-  for (const int side : procedure.sides) {
-    for (const Intervals& stimuli : orders_of(track.series.standard, comparison, spec.standard_first)) {
-      const bool comparison_first = stimuli[0] == comparison;
-      if (side == 0)  // what is correct is known once the comparison is
-        block.push_back({.stimuli = stimuli, .side = side, .standard_place = comparison_first ? 1 : 0});
-      else
-        block.push_back({stimuli, chosen(comparison_first == (side > 0), spec), side});
-    }
-  }
-  return track_of(block, track.trials, stream);
+  return orders;
 }
 
 int WhichTask::target_of(const Intervals& stimuli, double, const TaskSpec& spec) const noexcept {

@@ -21,7 +21,6 @@ class YesNoTask final : public Task {
   LevelAnswer level_answer(const AnsweredTrial& trial, const TaskSpec& spec) const override;
   bool has_catch_trials() const noexcept override { return true; }
   std::vector<TaskProblem> problems(const Protocol& protocol) const override;
-  int balance_of(const TaskSpec&) const noexcept override { return 1; }
   int trials_of_levels(const Protocol& protocol, const Series& series) const override;
   int intervals(const TaskSpec&) const noexcept override { return 1; }
   std::vector<DrawnTrial> draw(const CellDraw& cell, RandomStream& stream) const override;
