@@ -32,25 +32,7 @@ std::string fault_of(const Question& question, const Json& answer) {
 }  // namespace
 
 CourseOfQuestions::CourseOfQuestions(const Protocol& protocol, const Plan& plan)
-    : protocol_(protocol), conditions_(plan.conditions) {
-  int planned = 0;
-  const auto add = [&](int block, int condition) {
-    ++planned;
-    if (blocks_.empty() || blocks_.back().block != block) blocks_.push_back({block, condition, 0, false});
-    blocks_.back().condition = condition;
-    blocks_.back().planned = planned;
-  };
-  const Trial* before = nullptr;
-  for (const Trial& trial : plan.trials) {
-    if (trial.practice) continue;
-    if (before != nullptr && before->series != trial.series && before->block != trial.block)
-      blocks_.back().series_over = true;
-    add(trial.block, trial.condition);
-    before = &trial;
-  }
-  if (before != nullptr) blocks_.back().series_over = true;
-  for (const ExplorationSlot& slot : plan.explorations) add(slot.block, slot.condition);
-}
+    : protocol_(protocol), conditions_(plan.conditions), blocks_(course_blocks(protocol, plan)) {}
 
 std::string CourseOfQuestions::answered(const Json& body) {
   const auto id = body.at("question").get<std::string>();
@@ -65,61 +47,39 @@ std::string CourseOfQuestions::answered(const Json& body) {
   return fmt::format("question {} is not one of the protocol's", id);
 }
 
-void CourseOfQuestions::add_missing(Question::When when, int condition, int after_trial,
-                                    std::vector<std::string>& missing) const {
-  const auto name = [&](int place) {
-    return place < 0 ? std::string() : protocol_.conditions[static_cast<std::size_t>(place)].name;
-  };
-  const auto look = [&](const Question& question, int place) {
-    if (!answered_.contains(question_key(question.id, name(place), after_trial)))
-      missing.push_back(fmt::format("question {}", question.id));
-  };
-  for (const Question& question : protocol_.questions) {
-    if (question.when != when) continue;
-    if (question.per_condition) {
-      for (const int one : conditions_) look(question, one);
-    } else {
-      look(question, condition);
-    }
+void CourseOfQuestions::add_missing(const CoursePage& page, std::vector<std::string>& missing) const {
+  for (const AskedPlace& asked : questions_on(page, protocol_, conditions_)) {
+    const std::string& id = question_of(asked.question, protocol_).id;
+    const std::string condition = asked.condition < 0 ? "" : condition_name(protocol_, asked.condition);
+    if (!answered_.contains(question_key(id, condition, page.after_trial)))
+      missing.push_back(fmt::format("question {}", id));
   }
-}
-
-void CourseOfQuestions::add_missing_after(const Block& block, std::vector<std::string>& missing) const {
-  if (protocol_.design.arrangement == Arrangement::blocked)
-    add_missing(Question::When::after_condition, block.condition, block.planned, missing);
-  if (block.series_over) add_missing(Question::When::after_series, -1, block.planned, missing);
 }
 
 std::vector<std::string> CourseOfQuestions::missing_before(int block) const {
   std::vector<std::string> missing;
-  add_missing(Question::When::before_session, -1, 0, missing);
-  for (const Block& earlier : blocks_) {
-    if (earlier.block >= block) break;
-    add_missing_after(earlier, missing);
-    const bool due = std::any_of(protocol_.breaks.begin(), protocol_.breaks.end(), [&](const Break& pause) {
-      return pause.after == Break::After::block || (pause.after == Break::After::series && earlier.series_over) ||
-             (pause.after == Break::After::trials && earlier.planned % pause.trials == 0);
-    });
-    if (due && !breaks_.contains(earlier.planned))
-      missing.push_back(fmt::format("the break after block {}", earlier.block));
+  add_missing({Question::When::before_session, -1, 0}, missing);
+  for (int number = 1; number < block && number <= static_cast<int>(blocks_.size()); ++number) {
+    const CourseBlock& earlier = blocks_[static_cast<std::size_t>(number - 1)];
+    for (const CoursePage& page : pages_after(earlier)) add_missing(page, missing);
+    if (break_after(earlier, protocol_) != nullptr && !breaks_.contains(earlier.planned))
+      missing.push_back(fmt::format("the break after block {}", number));
   }
   return missing;
 }
 
 std::vector<std::string> CourseOfQuestions::missing_at_end() const {
   std::vector<std::string> missing;
-  add_missing(Question::When::before_session, -1, 0, missing);
-  for (const Block& block : blocks_) add_missing_after(block, missing);
-  add_missing(Question::When::after_session, -1, 0, missing);
+  add_missing({Question::When::before_session, -1, 0}, missing);
+  for (const CourseBlock& block : blocks_)
+    for (const CoursePage& page : pages_after(block)) add_missing(page, missing);
+  add_missing({Question::When::after_session, -1, 0}, missing);
   return missing;
 }
 
 std::optional<int> CourseOfQuestions::missing_break_within(int main_done) const {
-  for (const Break& pause : protocol_.breaks)
-    if (pause.after == Break::After::trials && main_done > 0 && main_done % pause.trials == 0 &&
-        !breaks_.contains(main_done))
-      return main_done;
-  return std::nullopt;
+  const bool due = break_within_block(main_done, protocol_) != nullptr && !breaks_.contains(main_done);
+  return due ? std::optional(main_done) : std::nullopt;
 }
 
 }  // namespace jnd

@@ -9,6 +9,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "protocols/course/course.h"
 #include "protocols/planning/plan.h"
 #include "protocols/protocol.h"
 
@@ -29,18 +30,12 @@ class CourseOfQuestions {
   std::optional<int> missing_break_within(int main_done) const;
 
  private:
-  struct Block {
-    int block = 0, condition = 0;
-    int planned = 0;  // main trials up to its end; of an exploration, its objects
-    bool series_over = false;
-  };
-  void add_missing(Question::When when, int condition, int after_trial, std::vector<std::string>& missing) const;
-  void add_missing_after(const Block& block, std::vector<std::string>& missing) const;
+  void add_missing(const CoursePage& page, std::vector<std::string>& missing) const;
 
   const Protocol& protocol_;
-  std::vector<int> conditions_;     // that the participant gets
-  std::vector<Block> blocks_;       // in order
-  std::set<std::string> answered_;  // question_key of each
+  std::vector<int> conditions_;      // that the participant gets
+  std::vector<CourseBlock> blocks_;  // in order, from block 1
+  std::set<std::string> answered_;   // question_key of each
   std::set<int> breaks_;
 };
 

@@ -24,9 +24,9 @@ using Json = nlohmann::ordered_json;
 // A key that came at the time-out's last instant is read a little later.
 constexpr double kTimeOutSlack_s = 0.05;
 
-class Course {
+class LoggedCourse {
  public:
-  Course(const Protocol& protocol, const Plan& plan, bool marks, const TellCourse& problem)
+  LoggedCourse(const Protocol& protocol, const Plan& plan, bool marks, const TellCourse& problem)
       : protocol_(protocol),
         plan_(plan),
         questions_(protocol, plan),
@@ -263,7 +263,7 @@ void check_course(const Protocol& protocol, const Plan& plan, const std::vector<
                   const TellCourse& problem) {
   const bool marks = std::any_of(events.begin(), events.end(),
                                  [](const Event& event) { return event.kind == event_kind::kTrialBegan; });
-  Course course(protocol, plan, marks, problem);
+  LoggedCourse course(protocol, plan, marks, problem);
   for (const Event& event : events) course.follow(event, json_from(event.body));
 }
 
