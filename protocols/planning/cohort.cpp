@@ -10,7 +10,6 @@
 
 #include "protocols/input/json_reader.h"
 #include "protocols/planning/allotment.h"
-#include "protocols/planning/exploration_assignment.h"
 #include "protocols/planning/order.h"
 #include "protocols/planning/plan.h"
 #include "protocols/tasks/level_source.h"
@@ -48,81 +47,43 @@ bool gets(const Plan& plan, int condition) {
   return std::find(plan.conditions.begin(), plan.conditions.end(), condition) != plan.conditions.end();
 }
 
-void count_arrangements(const Plan& plan, const Protocol& protocol, CohortBalance& balance) {
+void count_trials(const Plan& plan, const Protocol& protocol, CohortBalance& balance) {
+  std::vector<int> first_class(balance.cells.size());  // of this participant
   for (const Trial& trial : plan.trials) {
     if (trial.practice) continue;
-    CellBalance& cell = balance.cells[cell_of(trial, protocol)];
+    const std::size_t place = cell_of(trial, protocol);
+    CellBalance& cell = balance.cells[place];
     std::vector<double> arrangement(trial.stimuli.begin(), trial.stimuli.end());
     if (trial.track > 0) arrangement.push_back(trial.side);
     ++cell.arrangements[arrangement];
     cell.targets.resize(protocol.task.classes.size());
     if (trial.target >= 0) ++cell.targets[static_cast<std::size_t>(trial.target)];
-  }
-}
-
-void count_trials(const Plan& plan, const Protocol& protocol, CohortBalance& balance) {
-  if (!task_of(protocol.task.kind).has_pairs()) return count_arrangements(plan, protocol, balance);
-  std::vector<int> same_of_cell(balance.cells.size(), 0);
-  for (const Trial& trial : plan.trials) {
-    if (trial.practice) continue;
-    const std::size_t cell = cell_of(trial, protocol);
+    if (trial.target == 0) ++first_class[place];
+    if (!task_of(trial.task).has_pairs()) continue;
     const bool same = trial.target == kClassSame;
     // Of an adaptive procedure a is the comparison, whatever its level.
     const double a = trial.track > 0 ? set_by_answers(trial.standard)
                                      : protocol.series[static_cast<std::size_t>(trial.series)].pair[0];
     const bool first_is_a = trial.stimuli[0] == a;
-    ++balance.cells[cell].pairs[same ? (first_is_a ? 0U : 1U) : (first_is_a ? 2U : 3U)];
-    ++(same ? balance.cells[cell].same : balance.cells[cell].different);
+    ++cell.pairs[same ? (first_is_a ? 0U : 1U) : (first_is_a ? 2U : 3U)];
+    ++(same ? cell.same : cell.different);
     ++(same ? balance.same : balance.different);
-    if (same) ++same_of_cell[cell];
   }
-  for (std::size_t i = 0; i < same_of_cell.size(); ++i) {
+  for (std::size_t i = 0; i < first_class.size(); ++i) {
     CellBalance& cell = balance.cells[i];
     if (!gets(plan, cell.condition)) continue;
     const bool is_first = cell.participants++ == 0;
-    cell.least_same = is_first ? same_of_cell[i] : std::min(cell.least_same, same_of_cell[i]);
-    cell.most_same = std::max(cell.most_same, same_of_cell[i]);
+    cell.least_same = is_first ? first_class[i] : std::min(cell.least_same, first_class[i]);
+    cell.most_same = std::max(cell.most_same, first_class[i]);
   }
 }
 
-void count_positions(const Plan& plan, const Protocol& protocol, CohortBalance& balance) {
-  for (std::size_t j = 0; j < plan.series_order.size(); ++j) {
-    ++at(balance.series_positions, plan.series_order[j], static_cast<int>(j));
-    if (protocol.design.arrangement == Arrangement::mixed) continue;
-    const std::vector<int>& order = plan.condition_orders[j];
-    for (std::size_t p = 0; p < order.size(); ++p) {
-      ++at(balance.condition_positions, order[p], static_cast<int>(p));
-      if (p > 0) ++at(balance.condition_transitions, order[p - 1], order[p]);
-    }
+// transitions: null where nothing asks for them.
+void count_order(const std::vector<int>& order, Table& positions, Table* transitions) {
+  for (std::size_t p = 0; p < order.size(); ++p) {
+    ++at(positions, order[p], static_cast<int>(p));
+    if (transitions != nullptr && p > 0) ++at(*transitions, order[p - 1], order[p]);
   }
-}
-
-// Conditions and objects of free interaction.
-void count_explorations(const Protocol& protocol, CohortBalance& balance) {
-  balance.condition_positions = square(protocol.conditions.size());
-  balance.condition_transitions = square(protocol.conditions.size());
-  const ExplorationAssignment assignment(protocol, balance.seed, balance.session);
-  balance.object_positions = square(protocol.explore->objects.size());
-  std::map<std::vector<int>, int> condition_orders, object_orders;
-  std::map<std::pair<std::vector<int>, std::vector<int>>, int> pairs;
-  for (int participant = 1; participant <= balance.participants; ++participant) {
-    const std::vector<int> conditions = assignment.condition_order(participant),
-                           objects = assignment.object_order(participant);
-    ++condition_orders[conditions];
-    ++object_orders[objects];
-    ++pairs[{conditions, objects}];
-    for (std::size_t p = 0; p < conditions.size(); ++p) {
-      ++at(balance.condition_positions, conditions[p], static_cast<int>(p));
-      if (p > 0) ++at(balance.condition_transitions, conditions[p - 1], conditions[p]);
-      for (std::size_t q = 0; q < objects.size(); ++q) ++at(balance.object_positions, objects[q], static_cast<int>(q));
-    }
-  }
-  balance.condition_orders = by_use(condition_orders);
-  balance.object_orders = by_use(object_orders);
-  balance.different_pairs_of_orders = static_cast<int>(pairs.size());
-  for (const auto& [pair, count] : pairs) balance.most_used_pair = std::max(balance.most_used_pair, count);
-  balance.group_size = assignment.group_size();
-  balance.pair_count = assignment.pair_count();
 }
 
 }  // namespace
@@ -137,10 +98,7 @@ CohortBalance balance_of_cohort(const Protocol& protocol, int participants, std:
   balance.conditions = conditions_of(protocol, group);
   balance.session = session;
   balance.seed = seed;
-  if (!task_of(protocol.task.kind).has_trials()) {
-    count_explorations(protocol, balance);
-    return balance;
-  }
+  const bool explores = !task_of(protocol.task.kind).has_trials();
   for (std::size_t s = 0; s < protocol.series.size(); ++s) {
     for (std::size_t c = 0; c < protocol.conditions.size(); ++c) {
       CellBalance cell;
@@ -149,49 +107,57 @@ CohortBalance balance_of_cohort(const Protocol& protocol, int participants, std:
       balance.cells.push_back(cell);
     }
   }
+  if (explores) balance.object_positions = square(protocol.explore->objects.size());
   balance.series_positions = square(protocol.series.size());
   if (protocol.design.arrangement == Arrangement::blocked) {
     balance.condition_positions = square(protocol.conditions.size());
     balance.condition_transitions = square(protocol.conditions.size());
   }
 
-  std::map<std::vector<int>, int> series_orders, condition_orders;
+  const OrderAssignment assignment(protocol, seed, session, group);
+  std::map<std::vector<int>, int> outer_orders, inner_orders;
   std::map<std::pair<std::vector<int>, std::vector<int>>, int> pairs;
   for (int participant = 1; participant <= participants; ++participant) {
     if (group && group_of(protocol, participant, seed) != group) {
       --balance.participants;
       continue;
     }
-    const Plan plan = make_plan(protocol, participant, seed, session);
-    ++series_orders[plan.series_order];
-    ++condition_orders[plan.condition_orders.front()];
-    ++pairs[{plan.series_order, plan.condition_orders.front()}];
-    count_trials(plan, protocol, balance);
-    count_positions(plan, protocol, balance);
+    const std::vector<int> outer = assignment.outer_order(participant);
+    const std::vector<std::vector<int>> inner = assignment.inner_orders(participant, outer);
+    ++outer_orders[outer];
+    ++inner_orders[inner.front()];
+    ++pairs[{outer, inner.front()}];
+    if (explores) {
+      count_order(outer, balance.condition_positions, &balance.condition_transitions);
+      for (const std::vector<int>& objects : inner) count_order(objects, balance.object_positions, nullptr);
+      continue;
+    }
+    count_trials(make_plan(protocol, participant, seed, session), protocol, balance);
+    count_order(outer, balance.series_positions, nullptr);
+    if (protocol.design.arrangement == Arrangement::blocked)
+      for (const std::vector<int>& conditions : inner)
+        count_order(conditions, balance.condition_positions, &balance.condition_transitions);
   }
-  balance.series_orders = by_use(series_orders);
-  balance.condition_orders = by_use(condition_orders);
+  (explores ? balance.condition_orders : balance.series_orders) = by_use(outer_orders);
+  (explores ? balance.object_orders : balance.condition_orders) = by_use(inner_orders);
   balance.different_pairs_of_orders = static_cast<int>(pairs.size());
   for (const auto& [pair, count] : pairs) balance.most_used_pair = std::max(balance.most_used_pair, count);
 
   // Cells are placed by all conditions; those that a group does not get are then left out.
   std::erase_if(balance.cells,
                 [&](const CellBalance& cell) { return !has_condition(protocol, group, cell.condition); });
-  const OrderAssignment assignment(protocol, seed, session, group);
-  const bool random = assignment.series_list().empty() || assignment.condition_list().empty();
-  balance.group_size = random ? 0 : assignment.group_size();
-  balance.pair_count = random ? 0 : assignment.pair_count();
+  balance.group_size = assignment.group_size();
+  balance.pair_count = assignment.pair_count();
   return balance;
 }
 
 int balanced_at(const Protocol& protocol) {
-  if (!task_of(protocol.task.kind).has_trials()) return ExplorationAssignment(protocol, 0).group_size();
   int members = 1;
   for (int group = 0; group < group_count(protocol); ++group) {
-    const OrderAssignment assignment(protocol, 0, 1,
-                                     protocol.groups.empty() ? std::nullopt : std::optional<int>(group));
-    if (assignment.series_list().empty() || assignment.condition_list().empty()) return 0;
-    members = std::lcm(members, assignment.group_size());
+    const auto of = protocol.groups.empty() ? std::nullopt : std::optional<int>(group);
+    const int size = OrderAssignment(protocol, 0, 1, of).group_size();
+    if (size == 0) return 0;
+    members = std::lcm(members, size);
   }
   return members * group_count(protocol);
 }

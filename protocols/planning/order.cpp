@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <numeric>
+#include <stdexcept>
 #include <string>
 
 #include "protocols/planning/allotment.h"
 #include "protocols/random_stream.h"
+#include "protocols/tasks/task.h"
 
 namespace jnd {
 namespace {
@@ -91,70 +93,82 @@ std::string session_purpose(int session, const std::string& name) {
 
 OrderAssignment::OrderAssignment(const Protocol& protocol, std::uint64_t study_seed, int session,
                                  std::optional<int> group)
-    : series_count_(static_cast<int>(protocol.series.size())),
-      groups_(group_count(protocol)),
-      conditions_(conditions_of(protocol, group)),
+    : groups_(group_count(protocol)),
       per_series_(protocol.design.per_series),
       seed_(study_seed),
       session_(session),
-      turn_(turn_of(session)),
-      series_backwards_(turn_.backwards && is_assigned(protocol.design.series_order)),
-      conditions_backwards_(turn_.backwards && is_assigned(protocol.design.condition_order)),
-      series_list_(order_list(protocol.design.series_order, series_count_, study_seed, "series")),
-      condition_list_(
-          order_list(protocol.design.condition_order, static_cast<int>(conditions_.size()), study_seed, "conditions")) {
-  for (std::vector<int>& order : condition_list_) order = picked(order, conditions_);
-  for (const Series& series : protocol.series) series_names_.push_back(series.name);
-}
-
-int OrderAssignment::series_place(int participant) const noexcept {
-  return ((participant - 1) / groups_ + turn_.places) % size_of(series_list_);
-}
-
-int OrderAssignment::condition_place(int participant) const noexcept {
-  const int i = (participant - 1) / groups_;
-  return static_cast<int>((static_cast<std::int64_t>(i) + i / group_size() + turn_.places) % size_of(condition_list_));
-}
-
-int OrderAssignment::group_size() const noexcept {
-  return std::lcm(size_of(series_list_), size_of(condition_list_));
-}
-
-int OrderAssignment::pair_count() const noexcept {
-  return size_of(series_list_) * size_of(condition_list_);
-}
-
-std::vector<int> OrderAssignment::series_order(int participant) const {
-  if (!series_list_.empty()) {
-    std::vector<int> assigned = series_list_[static_cast<std::size_t>(series_place(participant))];
-    if (series_backwards_) std::reverse(assigned.begin(), assigned.end());
-    return assigned;
+      turn_(turn_of(session)) {
+  const auto places = [](const auto& all) { return counting(static_cast<int>(all.size())); };
+  const Design& design = protocol.design;
+  const Factor conditions = listed({"conditions", conditions_of(protocol, group)}, design.condition_order);
+  if (task_of(protocol.task.kind).has_trials()) {
+    outer_ = listed({"series", places(protocol.series)}, design.series_order);
+    inner_ = conditions;
+    for (const Series& series : protocol.series) outer_names_.push_back(series.name);
+  } else {
+    if (!protocol.explore || protocol.explore->objects.empty())
+      throw std::invalid_argument("the protocol has nothing to explore");
+    outer_ = conditions;
+    inner_ = listed({"objects", places(protocol.explore->objects)}, Order::williams);
   }
-  std::vector<int> order = counting(series_count_);
-  RandomStream(seed_, static_cast<std::uint64_t>(participant), session_purpose(session_, "order/series"))
+}
+
+OrderAssignment::Factor OrderAssignment::listed(Factor factor, Order order) const {
+  factor.list = order_list(order, static_cast<int>(factor.items.size()), seed_, factor.name);
+  for (std::vector<int>& one : factor.list) one = picked(one, factor.items);
+  factor.backwards = turn_.backwards && is_assigned(order);
+  return factor;
+}
+
+// of: empty, or "/" and the name of a series.
+std::vector<int> OrderAssignment::random_order(const Factor& factor, const std::string& of, int participant) const {
+  std::vector<int> order = factor.items;
+  RandomStream(seed_, static_cast<std::uint64_t>(participant), session_purpose(session_, "order/" + factor.name + of))
       .shuffle(order);
   return order;
 }
 
-std::vector<std::vector<int>> OrderAssignment::condition_orders(int participant,
-                                                                const std::vector<int>& series_order) const {
+int OrderAssignment::cycle() const noexcept {
+  return std::lcm(size_of(outer_.list), size_of(inner_.list));
+}
+
+int OrderAssignment::outer_place(int participant) const noexcept {
+  return ((participant - 1) / groups_ + turn_.places) % size_of(outer_.list);
+}
+
+int OrderAssignment::inner_place(int participant) const noexcept {
+  const std::int64_t i = (participant - 1) / groups_;
+  return static_cast<int>((i + i / cycle() + turn_.places) % size_of(inner_.list));
+}
+
+int OrderAssignment::group_size() const noexcept {
+  return is_random() ? 0 : cycle();
+}
+
+int OrderAssignment::pair_count() const noexcept {
+  return is_random() ? 0 : size_of(outer_.list) * size_of(inner_.list);
+}
+
+std::vector<int> OrderAssignment::outer_order(int participant) const {
+  if (outer_.list.empty()) return random_order(outer_, "", participant);
+  std::vector<int> assigned = outer_.list[static_cast<std::size_t>(outer_place(participant))];
+  if (outer_.backwards) std::reverse(assigned.begin(), assigned.end());
+  return assigned;
+}
+
+std::vector<std::vector<int>> OrderAssignment::inner_orders(int participant, const std::vector<int>& outer) const {
+  const auto first = static_cast<std::size_t>(inner_place(participant));
   std::vector<std::vector<int>> orders;
-  for (std::size_t j = 0; j < series_order.size(); ++j) {
-    if (!condition_list_.empty()) {
-      // Backwards, a series keeps the order that it had in the session before, turned round.
-      const std::size_t turn = series_backwards_ ? series_order.size() - 1 - j : j;
-      const std::size_t advance = per_series_ ? turn : 0;
-      orders.push_back(
-          condition_list_[(static_cast<std::size_t>(condition_place(participant)) + advance) % condition_list_.size()]);
-      if (conditions_backwards_) std::reverse(orders.back().begin(), orders.back().end());
+  for (std::size_t j = 0; j < outer.size(); ++j) {
+    if (inner_.list.empty()) {
+      const std::string of = per_series_ ? "/" + outer_names_[static_cast<std::size_t>(outer[j])] : "";
+      orders.push_back(random_order(inner_, of, participant));
       continue;
     }
-    const std::string purpose = per_series_
-                                    ? "order/conditions/" + series_names_[static_cast<std::size_t>(series_order[j])]
-                                    : "order/conditions";
-    std::vector<int> order = conditions_;
-    RandomStream(seed_, static_cast<std::uint64_t>(participant), session_purpose(session_, purpose)).shuffle(order);
-    orders.push_back(std::move(order));
+    // Backwards, a series keeps the order that it had in the session before, turned round.
+    const std::size_t turn = outer_.backwards ? outer.size() - 1 - j : j;
+    orders.push_back(inner_.list[(first + (per_series_ ? turn : 0)) % inner_.list.size()]);
+    if (inner_.backwards) std::reverse(orders.back().begin(), orders.back().end());
   }
   return orders;
 }

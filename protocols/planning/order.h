@@ -1,11 +1,12 @@
-// Orders of series and conditions, and their assignment to participants.
+// Orders of series and conditions, and their assignment to participants; of free interaction, of conditions and objects.
 //
 // Each factor has a list of orders: the one of the file (`fixed`), all permutations (`permuted`) or a Williams square
 // (`williams`), shuffled once for the whole study. Participant i (from 0) gets order i mod A of the A series orders and
 // order (i + floor(i / L)) mod B of the B condition orders, L = lcm(A, B): every L participants use each order of a
 // factor equally often, and all A B pairs occur before any repeats. For A = B = 6, participant 6r + s takes series
 // order s and condition order (s + r) mod 6. `random` orders are drawn for each participant and are not assigned. With
-// groups of participants i counts the members of one group, whose conditions alone are ordered.
+// groups of participants i counts the members of one group, whose conditions alone are ordered. In free interaction
+// conditions stand for the series, and for the conditions the objects, always in a Williams square.
 //
 // Further sessions of a participant come in twos: session 2m + 1 takes the orders that are m places further in each
 // list, and session 2m + 2 presents those of session 2m + 1 backwards. Both move a list onto itself (permutations and
@@ -53,37 +54,46 @@ std::string session_purpose(int session, const std::string& name);
 class OrderAssignment {
  public:
   // protocol: as loaded. study_seed: shuffles the lists and the labels of Williams squares. session: from 1. group: of
-  // the participants who are asked for; none where there are none.
+  // the participants who are asked for; none where there are none. Throws std::invalid_argument where free interaction
+  // has no objects.
   OrderAssignment(const Protocol& protocol, std::uint64_t study_seed, int session = 1,
                   std::optional<int> group = std::nullopt);
 
-  // participant: from 1. Places in Protocol::series, in presented order.
-  std::vector<int> series_order(int participant) const;
-  // For each presented series, the places in Protocol::conditions. series_order is the one of the same participant.
-  std::vector<std::vector<int>> condition_orders(int participant, const std::vector<int>& series_order) const;
+  // participant: from 1. Series, or in free interaction conditions, as presented: places in the protocol.
+  std::vector<int> outer_order(int participant) const;
+  // For each of these the conditions, or the objects. outer: the order of the same participant.
+  std::vector<std::vector<int>> inner_orders(int participant, const std::vector<int>& outer) const;
 
-  // Lists of orders; empty where a factor's order is random.
-  const OrderList& series_list() const noexcept { return series_list_; }
-  const OrderList& condition_list() const noexcept { return condition_list_; }
-  // The participant's place in each list; 0 where it is empty.
-  int series_place(int participant) const noexcept;
-  int condition_place(int participant) const noexcept;
+  // Lists of orders; empty where a factor's order is random. The participant's place in each: 0 where it is empty.
+  const OrderList& outer_list() const noexcept { return outer_.list; }
+  const OrderList& inner_list() const noexcept { return inner_.list; }
+  int outer_place(int participant) const noexcept;
+  int inner_place(int participant) const noexcept;
 
-  // Every so many participants each order of a factor has been used equally often (lcm of the lists' sizes) ...
+  // Every so many participants each order of a factor has been used equally often (lcm of the lists' sizes), and each
+  // pair of orders once (their product); 0: random orders.
   int group_size() const noexcept;
-  // ... and each pair of a series order and a condition order once (their product).
   int pair_count() const noexcept;
 
  private:
-  int series_count_, groups_;
-  std::vector<int> conditions_;  // of the group
-  std::vector<std::string> series_names_;
+  struct Factor {
+    std::string name;
+    std::vector<int> items;  // places in the protocol
+    OrderList list{};        // empty where the order is random
+    bool backwards = false;
+  };
+  Factor listed(Factor factor, Order order) const;
+  std::vector<int> random_order(const Factor& factor, const std::string& of, int participant) const;
+  bool is_random() const noexcept { return outer_list().empty() || inner_list().empty(); }
+  int cycle() const noexcept;  // participants until every order has come equally often
+
+  int groups_;
   bool per_series_;
   std::uint64_t seed_;
   int session_;
   SessionTurn turn_;
-  bool series_backwards_, conditions_backwards_;
-  OrderList series_list_, condition_list_;
+  Factor outer_, inner_;
+  std::vector<std::string> outer_names_;  // of series
 };
 
 }  // namespace jnd

@@ -10,7 +10,6 @@
 
 #include "analysis/numerics/decimal_order.h"
 #include "protocols/planning/allotment.h"
-#include "protocols/planning/exploration_assignment.h"
 #include "protocols/planning/order.h"
 #include "protocols/planning/run_limit.h"
 #include "protocols/random_stream.h"
@@ -34,7 +33,7 @@ class Draws {
 
   // The trials of one condition in one series, in order.
   std::vector<DrawnTrial> cell(int series, int condition) const {
-    RandomStream stimuli = stream("stimuli/" + series_name(series) + "/" + condition_name(condition));
+    RandomStream stimuli = stream("stimuli/" + series_name(series) + "/" + condition_name(protocol_, condition));
     return task_.draw({protocol_, series_at(series), protocol_.design.trials_per_cell, protocol_.design.sampling},
                       stimuli);
   }
@@ -44,7 +43,7 @@ class Draws {
     std::vector<DrawnTrial> trials = cell(series, condition);
     if (!protocol_.design.run_limit) return trials;
     const Classes classes(trials);
-    RandomStream classes_of = stream("classes/" + series_name(series) + "/" + condition_name(condition));
+    RandomStream classes_of = stream("classes/" + series_name(series) + "/" + condition_name(protocol_, condition));
     std::size_t next_one = 0, next_other = 0;
     std::size_t at = 0;
     for (const bool one : limited(classes.one.size(), classes.other.size(), classes_of))
@@ -122,14 +121,14 @@ class Draws {
     for (const int condition : conditions_) {
       if (only && condition != *only) continue;
       for (int track = 1; track <= static_cast<int>(procedure.starts.size()); ++track) {
-        RandomStream slots = stream(fmt::format("slots/{}{}", of_series, condition_name(condition)), track);
+        RandomStream slots = stream(fmt::format("slots/{}{}", of_series, condition_name(protocol_, condition)), track);
         tracks.emplace_back();
         for (const DrawnTrial& drawn :
              task_.draw_track({protocol_, series_at(series), procedure.trials}, procedure, slots))
           tracks.back().push_back({drawn, condition, track});
       }
     }
-    RandomStream turns = stream(only ? fmt::format("tracks/{}{}", of_series, condition_name(*only))
+    RandomStream turns = stream(only ? fmt::format("tracks/{}{}", of_series, condition_name(protocol_, *only))
                                      : fmt::format("tracks{}", of_series));
     std::vector<std::size_t> round(tracks.size());
     std::vector<Slot> block;
@@ -158,7 +157,6 @@ class Draws {
   int condition_at(int place) const { return conditions_[static_cast<std::size_t>(place)]; }
   const Series& series_at(int series) const { return protocol_.series[static_cast<std::size_t>(series)]; }
   const std::string& series_name(int series) const { return series_at(series).name; }
-  const std::string& condition_name(int c) const { return protocol_.conditions[static_cast<std::size_t>(c)].name; }
 
   const Protocol& protocol_;
   const Task& task_;
@@ -169,29 +167,22 @@ class Draws {
 };
 
 // Numbers the trials as they are added.
-class TrialList {
- public:
-  explicit TrialList(const Protocol& protocol) noexcept : protocol_(protocol) {}
-  void add(Trial trial, const DrawnTrial& drawn) {
-    trial.index = static_cast<int>(trials.size()) + 1;
-    trial.task = protocol_.task.kind;
-    trial.stimuli = drawn.stimuli;
-    trial.unit = protocol_.stimulus.unit;
-    trial.target = drawn.target;
-    trial.standard = protocol_.series[static_cast<std::size_t>(trial.series)].standard;
-    trial.side = drawn.side;
-    trial.standard_place = drawn.standard_place;
-    trials.push_back(trial);
-  }
-  std::vector<Trial> trials;
-
- private:
-  const Protocol& protocol_;
-};
+void add(Trial trial, const DrawnTrial& drawn, const Protocol& protocol, Plan& plan) {
+  trial.index = static_cast<int>(plan.trials.size()) + 1;
+  trial.task = protocol.task.kind;
+  trial.stimuli = drawn.stimuli;
+  trial.unit = protocol.stimulus.unit;
+  trial.target = drawn.target;
+  trial.standard = protocol.series[static_cast<std::size_t>(trial.series)].standard;
+  trial.side = drawn.side;
+  trial.standard_place = drawn.standard_place;
+  plan.trials.push_back(trial);
+}
 
 // Conditions that the participant does not get are not practised.
-void add_practice(const Practice& practice, const std::vector<int>& own, const Draws& draws, TrialList& list) {
+void add_practice(const Practice& practice, const Draws& draws, const Protocol& protocol, Plan& plan) {
   std::vector<int> conditions = practice.conditions;
+  const std::vector<int>& own = plan.conditions;
   std::erase_if(conditions, [&](int one) { return std::find(own.begin(), own.end(), one) == own.end(); });
   for (int round = 1; round <= practice.max_rounds; ++round) {
     std::size_t turn = 0;
@@ -201,9 +192,19 @@ void add_practice(const Practice& practice, const std::vector<int>& own, const D
       trial.round = round;
       trial.series = practice.series;
       trial.condition = conditions[turn++ % conditions.size()];
-      list.add(trial, drawn);
+      add(trial, drawn, protocol, plan);
     }
   }
+}
+
+// Blocks of conditions, in each the objects for equal parts of the duration.
+void add_explorations(const std::vector<int>& conditions, const std::vector<std::vector<int>>& objects,
+                      const Protocol& protocol, Plan& plan) {
+  const double duration_s = protocol.explore->duration_s / static_cast<double>(protocol.explore->objects.size());
+  for (std::size_t turn = 0; turn < conditions.size(); ++turn)
+    for (const int object : objects[turn])
+      plan.explorations.push_back({static_cast<int>(plan.explorations.size()) + 1, static_cast<int>(turn) + 1,
+                                   conditions[turn], object, duration_s});
 }
 
 }  // namespace
@@ -227,17 +228,17 @@ Plan make_plan(const Protocol& protocol, int participant, std::uint64_t seed, in
   plan.seed = seed;
   plan.group = group_of(protocol, participant, seed);
   plan.conditions = conditions_of(protocol, plan.group);
+  const OrderAssignment assignment(protocol, seed, session, plan.group);
+  const std::vector<int> outer = assignment.outer_order(participant);
   if (!task_of(protocol.task.kind).has_trials()) {
-    plan.explorations = ExplorationAssignment(protocol, seed, session).slots(participant);
+    add_explorations(outer, assignment.inner_orders(participant, outer), protocol, plan);
     return plan;
   }
-  const OrderAssignment assignment(protocol, seed, session, plan.group);
   const Draws draws(protocol, plan);
-  plan.series_order = assignment.series_order(participant);
-  plan.condition_orders = assignment.condition_orders(participant, plan.series_order);
+  plan.series_order = outer;
+  plan.condition_orders = assignment.inner_orders(participant, outer);
 
-  TrialList list(protocol);
-  if (protocol.practice) add_practice(*protocol.practice, plan.conditions, draws, list);
+  if (protocol.practice) add_practice(*protocol.practice, draws, protocol, plan);
   int block = 0;
   for (std::size_t j = 0; j < plan.series_order.size(); ++j) {
     Trial trial;
@@ -250,11 +251,10 @@ Plan make_plan(const Protocol& protocol, int participant, std::uint64_t seed, in
       for (const Draws::Slot& slot : draws.block(trial.series, turn)) {
         trial.condition = slot.condition;
         trial.track = slot.track;
-        list.add(trial, slot.trial);
+        add(trial, slot.trial, protocol, plan);
       }
     }
   }
-  plan.trials = std::move(list.trials);
   return plan;
 }
 

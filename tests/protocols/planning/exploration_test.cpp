@@ -6,7 +6,7 @@
 #include "protocols/course/duration.h"
 #include "protocols/input/input_error.h"
 #include "protocols/planning/cohort.h"
-#include "protocols/planning/exploration_assignment.h"
+#include "protocols/planning/order.h"
 #include "protocols/planning/plan.h"
 #include "protocols/reading/protocol_json.h"
 #include "protocols/rigs/device_lint.h"
@@ -120,7 +120,7 @@ TEST_CASE("three objects need six orders; random conditions are said to be so") 
   CHECK(drawn.group_size == 0);
   CHECK(to_text(drawn, protocol).find("balanced by chance only") != std::string::npos);
   protocol.explore.reset();
-  CHECK_THROWS_AS(ExplorationAssignment(protocol, 1), std::invalid_argument);
+  CHECK_THROWS_AS(OrderAssignment(protocol, 1), std::invalid_argument);
 }
 
 TEST_CASE("the plan of free interaction never changes") {

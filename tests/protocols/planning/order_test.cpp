@@ -51,8 +51,8 @@ TEST_CASE("three series and three conditions: participant 6r + s takes series or
     for (int r = 0; r < 12; ++r) {
       for (int s = 0; s < 6; ++s) {
         const int participant = 6 * r + s + 1;
-        CHECK(assignment.series_place(participant) == s);
-        CHECK(assignment.condition_place(participant) == (s + r) % 6);
+        CHECK(assignment.outer_place(participant) == s);
+        CHECK(assignment.inner_place(participant) == (s + r) % 6);
       }
     }
   }
@@ -79,8 +79,8 @@ TEST_CASE("assigned orders: groups are balanced, all pairs occur before any repe
       protocol.design.series_order = one.series_order;
       protocol.design.condition_order = one.condition_order;
       const OrderAssignment assignment(protocol, seed);
-      REQUIRE(static_cast<int>(assignment.series_list().size()) == one.series_orders);
-      REQUIRE(static_cast<int>(assignment.condition_list().size()) == one.condition_orders);
+      REQUIRE(static_cast<int>(assignment.outer_list().size()) == one.series_orders);
+      REQUIRE(static_cast<int>(assignment.inner_list().size()) == one.condition_orders);
       CHECK(assignment.group_size() == std::lcm(one.series_orders, one.condition_orders));
       CHECK(assignment.pair_count() == one.series_orders * one.condition_orders);
 
@@ -88,8 +88,8 @@ TEST_CASE("assigned orders: groups are balanced, all pairs occur before any repe
       std::map<std::pair<std::vector<int>, std::vector<int>>, int> pairs;
       std::map<std::vector<int>, int> series, conditions;
       for (int participant = 1; participant <= assignment.pair_count(); ++participant) {
-        const auto series_order = assignment.series_order(participant);
-        const auto condition_order = assignment.condition_orders(participant, series_order).front();
+        const auto series_order = assignment.outer_order(participant);
+        const auto condition_order = assignment.inner_orders(participant, series_order).front();
         CHECK(++pairs[{series_order, condition_order}] == 1);
         ++series[series_order];
         ++conditions[condition_order];
@@ -111,9 +111,9 @@ TEST_CASE("seeds shuffle the lists") {
   std::map<std::vector<int>, int> first_series, first_conditions;
   for (std::uint64_t seed = 0; seed < 600; ++seed) {
     const OrderAssignment assignment(protocol, seed);
-    const auto series = assignment.series_order(1);
+    const auto series = assignment.outer_order(1);
     ++first_series[series];
-    ++first_conditions[assignment.condition_orders(1, series).front()];
+    ++first_conditions[assignment.inner_orders(1, series).front()];
   }
   // Each of 6 orders 100 times, SD 9.1.
   CHECK(first_series.size() == 6);
@@ -134,9 +134,9 @@ TEST_CASE("one condition order serves all series unless per_series") {
   const OrderAssignment assignment(protocol, 5);
   for (int participant = 1; participant <= 40; ++participant) {
     const Plan plan = make_plan(protocol, participant, 5);
-    const auto& list = assignment.condition_list();
+    const auto& list = assignment.inner_list();
     for (std::size_t j = 0; j < 3; ++j) {
-      const auto place = static_cast<std::size_t>(assignment.condition_place(participant)) + j;
+      const auto place = static_cast<std::size_t>(assignment.inner_place(participant)) + j;
       CHECK(plan.condition_orders[j] == list[place % list.size()]);
     }
   }
