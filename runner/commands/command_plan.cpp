@@ -195,23 +195,18 @@ nlohmann::ordered_json to_json(const CohortBalance& balance, const Protocol& pro
   if (!balance.object_positions.empty()) out["object_positions"] = balance.object_positions;
   const bool pairs = task_of(protocol.task.kind).has_pairs();
   for (const CellBalance& cell : balance.cells) {
-    if (!pairs) {
-      nlohmann::ordered_json row = {{"series", protocol.series[static_cast<std::size_t>(cell.series)].name},
-                                    {"condition", condition_name(protocol, cell.condition)},
-                                    {"arrangements", nlohmann::ordered_json::array()},
-                                    {"targets", cell.targets}};
+    nlohmann::ordered_json row = {{"series", protocol.series[static_cast<std::size_t>(cell.series)].name},
+                                  {"condition", condition_name(protocol, cell.condition)}};
+    if (pairs) {
+      row.update({{"pairs", cell.pairs}, {"same", cell.same}, {"different", cell.different}});
+      row.update({{"least_same", cell.least_same}, {"most_same", cell.most_same}});
+    } else {
+      row["arrangements"] = nlohmann::ordered_json::array();
       for (const auto& [stimuli, times] : cell.arrangements)
         row["arrangements"].push_back({{"stimuli", stimuli}, {"trials", times}});
-      out["cells"].push_back(row);
-      continue;
+      row["targets"] = cell.targets;
     }
-    out["cells"].push_back({{"series", protocol.series[static_cast<std::size_t>(cell.series)].name},
-                            {"condition", protocol.conditions[static_cast<std::size_t>(cell.condition)].name},
-                            {"pairs", cell.pairs},
-                            {"same", cell.same},
-                            {"different", cell.different},
-                            {"least_same", cell.least_same},
-                            {"most_same", cell.most_same}});
+    out["cells"].push_back(row);
   }
   return out;
 }

@@ -1,5 +1,6 @@
 // Readiness of what is on the disk and in the plan: room for the session, balance, the participant, the wall clock.
 #include <algorithm>
+#include <array>
 #include <map>
 #include <utility>
 
@@ -33,24 +34,19 @@ void complain(Check& check, Verdict verdict, const std::string& why, const std::
   check.what_to_do += (check.what_to_do.empty() ? "" : "; ") + what_to_do;
 }
 
-struct Classes {
-  int same = 0, different = 0;
-};
-
 // What chance gave this participant tells of the trials to come, even where cells are only counted.
 void judge_cells(const Protocol& protocol, const Plan& plan, Check& check) {
   if (!task_of(protocol.task.kind).has_pairs()) return;
-  std::map<std::pair<int, int>, Classes> cells;  // by series and condition
+  std::map<std::pair<int, int>, std::array<int, 2>> cells;  // by series and condition: same, different
   for (const Trial& trial : plan.trials) {
     if (trial.practice) continue;
-    Classes& cell = cells[{trial.series, trial.condition}];
-    ++(trial.target == kClassSame ? cell.same : cell.different);
+    ++cells[{trial.series, trial.condition}][trial.target == kClassSame ? 0 : 1];
   }
   const bool balanced = protocol.design.sampling == Sampling::balanced && levels_given(protocol);
   int unequal = 0, one_sided = 0;
   for (const auto& [place, cell] : cells) {
-    unequal += balanced && cell.same != cell.different ? 1 : 0;
-    one_sided += cell.same == 0 || cell.different == 0 ? 1 : 0;
+    unequal += balanced && cell[0] != cell[1] ? 1 : 0;
+    one_sided += cell[0] == 0 || cell[1] == 0 ? 1 : 0;
   }
   if (unequal > 0)
     complain(check, Verdict::bad,
