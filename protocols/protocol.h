@@ -38,6 +38,7 @@ struct PublishedValue {
   std::string note;
   std::string question{};      // of a rating: the id of the question; empty: the condition as a whole
   std::optional<double> sd{};  // of the participants' values, same unit
+  int standard = -1;           // place in Protocol::series; -1: of all of them
 };
 
 // A value that the source does not print and that the author of the protocol chose.
@@ -299,6 +300,7 @@ struct AnalysisPlan {
   bool common_criterion = false;             // of ml: one criterion for all series of a condition
   // Of the tasks other than same-different: which of the task's outcomes is compared, and how its JND is meant.
   std::string outcome{};
+  int standard = -1;                    // at which it is, a place in Protocol::series; -1: the mean over all of them
   std::string jnd_convention = "75 %";  // "75 %", "84 %", "d'=1"
   double lapse = 0;                     // fixed rate; lapse_free: estimated
   bool lapse_free = false;

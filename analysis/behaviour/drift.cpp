@@ -1,46 +1,14 @@
 #include "analysis/behaviour/drift.h"
 
-#include <array>
 #include <cmath>
-
-#include <boost/math/special_functions/gamma.hpp>
 
 #include "analysis/numerics/normal.h"
 #include "analysis/numerics/special_values.h"
 #include "analysis/thresholds/jnd_closed.h"
-#include "analysis/thresholds/jnd_ml.h"
 
 namespace jnd {
 
 namespace {
-
-// Upper tail of chi-square with 1 degree of freedom at twice a difference of log-likelihoods; rounding may make it
-// negative.
-double likelihood_ratio_p(double half_statistic) {
-  return boost::math::gamma_q(0.5, std::fmax(0, half_statistic));
-}
-
-// Of one d' in both halves, with a criterion each, against a rate for every cell: the joint likelihood of two series
-// with the same difference.
-double equal_dprime_p(const Counts& first, const Counts& second) {
-  std::array<SeriesCounts, 2> halves;
-  halves[0].counts = first;
-  halves[1].counts = second;
-  for (SeriesCounts& half : halves) half.difference = 1;
-  const double saturated = saturated_log_likelihood(ml_groups(halves, false));
-  return likelihood_ratio_p(saturated - ml_point(halves, JndMethod::ml_yes_no_series).log_likelihood);
-}
-
-// With H = Phi(d/2 - c) and 1 - F = Phi(d/2 + c), the criterion is to d' what d' is to the criterion: correct answers
-// to equal pairs take the place of hits, and hits that of false alarms.
-Counts exchanged(const Counts& counts) noexcept {
-  Counts other;
-  other.n_diff = counts.n_same;
-  other.hits = counts.n_same - counts.false_alarms;
-  other.n_same = counts.n_diff;
-  other.false_alarms = counts.hits;
-  return other;
-}
 
 HalfDifference compare(double first, double second, double variance) {
   HalfDifference result;
@@ -50,6 +18,7 @@ HalfDifference compare(double first, double second, double variance) {
   result.se = std::sqrt(variance);
   result.ci_low = result.difference - kNormal975 * result.se;
   result.ci_high = result.difference + kNormal975 * result.se;
+  result.p = 2 * normal_cdf(-std::abs(result.difference / result.se));
   return result;
 }
 
@@ -64,15 +33,13 @@ Drift drift(const Counts& first, const Counts& second) {
     result.status = RateStatus::missing;
     result.dprime = compare(before.dprime, after.dprime, kNaN);
     result.criterion = compare(before.criterion, after.criterion, kNaN);
-    result.dprime.p = result.criterion.p = kNaN;
     return result;
   }
   result.status = before.status == RateStatus::ok ? after.status : before.status;
   const double variance = loglinear_variance(first) + loglinear_variance(second);
   result.dprime = compare(before.dprime, after.dprime, variance);
-  result.dprime.p = equal_dprime_p(first, second);
   result.criterion = compare(before.criterion, after.criterion, variance / 4);
-  result.criterion.p = equal_dprime_p(exchanged(first), exchanged(second));
+  if (result.status != RateStatus::ok) result.dprime.p = result.criterion.p = kNaN;
   return result;
 }
 

@@ -11,11 +11,9 @@ namespace jnd {
 // A quantity in both halves. Log-linear rates, yes-no model, all differences pooled.
 struct HalfDifference {
   double first = 0, second = 0;
-  // second - first, with its Wald interval, 95 % (variances of Gourevitch and Galanter 1967, added).
-  double difference = 0, se = 0, ci_low = 0, ci_high = 0;
-  // Likelihood-ratio test of "the same in both halves", the other quantity free in each; raw counts, chi-square with 1
-  // degree of freedom. 1 where a half has one answer throughout, which fits anything.
-  double p = 0;
+  // second - first, with its Wald interval, 95 %, and the two-sided p that belongs to it (variances of Gourevitch and Galanter
+  // 1967, added). p is NaN where a half has one answer throughout.
+  double difference = 0, se = 0, ci_low = 0, ci_high = 0, p = 0;
 };
 
 struct Drift {

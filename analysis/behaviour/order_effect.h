@@ -20,10 +20,9 @@ std::string_view to_string(OrderStatus status) noexcept;
 struct OrderEffect {
   OrderStatus status = OrderStatus::no_different_trials;
   Share stiffer_first, stiffer_second;  // said "different", of the different pairs with that order
-  // First minus second, with Newcombe's hybrid score interval, 95 % (Newcombe 1998, Stat Med 17:873, method 10). NaN
-  // unless ok.
-  double difference = 0, ci_low = 0, ci_high = 0;
-  double p = 0;  // two-sided, Fisher's exact test; NaN unless ok
+  // First minus second, and the two-sided p of no difference, by one score test: the 95 % interval holds the differences that it
+  // does not reject (Miettinen and Nurminen 1985, Stat Med 4:213). NaN unless ok.
+  double difference = 0, ci_low = 0, ci_high = 0, p = 0;
 };
 
 // Pools all differences: balanced designs have each order equally often at each.

@@ -19,7 +19,8 @@ ResponseBias response_bias(const Counts& counts, double planned_share) {
   bias.ci_low = bias.criterion - kNormal975 * bias.se;
   bias.ci_high = bias.criterion + kNormal975 * bias.se;
   const int n = counts.n_diff + counts.n_same, said = counts.hits + counts.false_alarms;
-  bias.said_different = share_of(said, n);
+  const ExactProportion exact = exact_proportion(said, n);
+  bias.said_different = {said, n, exact.share, exact.ci_low, exact.ci_high};
   bias.planned_share = planned_share;
   bias.p = n == 0 ? kNaN : binomial_exact_p(said, n, planned_share);
   return bias;

@@ -18,7 +18,7 @@ struct ResponseBias {
   // series.
   double criterion = 0, se = 0, ci_low = 0, ci_high = 0;
   // How often "different" was said, and how often it would have been true by the plan.
-  Share said_different;
+  Share said_different;  // with Clopper and Pearson's interval, to which p belongs
   double planned_share = 0;
   double p = 0;  // two-sided exact binomial test of said_different against planned_share; NaN without trials
 };

@@ -96,13 +96,21 @@ Tukey tukey_of(double mean_difference, const RepeatedMeasures& anova, const With
 
 }  // namespace
 
+std::vector<ConditionSummary> summaries_of(const WithinTable& table) {
+  const std::vector<std::vector<double>> columns = columns_of(table);
+  const double t_quantile = student_t_quantile_two_sided(0.05, static_cast<double>(table.n) - 1);
+  const std::vector<std::vector<double>> centred = without_participants(columns, table.n);
+  std::vector<ConditionSummary> summaries;
+  for (std::size_t j = 0; j < table.k; ++j)
+    summaries.push_back(summary(columns[j], centred[j], static_cast<double>(table.k), t_quantile));
+  return summaries;
+}
+
 Comparison compare(const WithinTable& table) {
   Comparison result = begun(table);
   const std::vector<std::vector<double>> columns = columns_of(table);
-  const auto n = static_cast<double>(table.n), k = static_cast<double>(table.k);
-  const double t_quantile = student_t_quantile_two_sided(0.05, n - 1);
-  const std::vector<std::vector<double>> centred = without_participants(columns, table.n);
-  for (std::size_t j = 0; j < table.k; ++j) result.conditions.push_back(summary(columns[j], centred[j], k, t_quantile));
+  const double t_quantile = student_t_quantile_two_sided(0.05, static_cast<double>(table.n) - 1);
+  result.conditions = summaries_of(table);
 
   result.anova = repeated_measures(table);
   result.residuals = shapiro_wilk(result.anova.residuals);

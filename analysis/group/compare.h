@@ -49,7 +49,8 @@ struct Comparison {
   StatisticStatus status = StatisticStatus::ok;
 };
 
-// table.k = 1..1000, table.n >= 0.
+// table.k = 1..1000, table.n >= 0, here and below. The conditions alone:
+std::vector<ConditionSummary> summaries_of(const WithinTable& table);
 Comparison compare(const WithinTable& table);
 
 // One test of every pair and nothing else, for studies that are simulated by the thousand: of the comparison n, k and the

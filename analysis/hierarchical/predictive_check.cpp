@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iomanip>
-#include <sstream>
 #include <tuple>
 
 #include "analysis/hierarchical/posterior_draws.h"
@@ -159,21 +157,6 @@ PredictiveCheck predictive_check(std::span<const HierarchicalCell> cells, const 
   check.drawn = SampleQuantiles(std::move(drawn_discrepancies)).at(0.5);
   check.p = (1.0 + as_large) / (1.0 + draws);
   return check;
-}
-
-std::string predictive_verdict(const PredictiveCheck& check) {
-  const bool fits = check.bands_fit() && check.scatter_fits();
-  std::ostringstream text;
-  text << (fits ? "The model draws answers like these: " : "The model does not draw answers like these: ")
-       << check.outside() << " of " << check.bands() << " shares and spreads lie outside their 95 % bands";
-  if (!check.bands_fit()) text << ", more than the " << check.outside_by_chance() << " that chance explains";
-  text << ", and "
-       << (check.scatter_fits() ? "the answers scatter about each person's rates as drawn ones do"
-           : check.p < 0.5      ? "the answers scatter more about each person's rates than drawn ones"
-                                : "the answers are more regular than drawn ones");
-  const int digits = check.p < 0.01 || check.p > 0.99 ? 4 : 2;
-  text << " (p " << std::fixed << std::setprecision(digits) << check.p << ").";
-  return text.str();
 }
 
 }  // namespace jnd

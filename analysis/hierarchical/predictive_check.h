@@ -20,7 +20,6 @@
 
 #include <cstdint>
 #include <span>
-#include <string>
 #include <string_view>
 #include <vector>
 
@@ -78,9 +77,6 @@ struct PredictiveCheck {
 // draws >= 1. The same seed gives the same check on every machine. Throws Stopped (numerics/stop_request.h).
 PredictiveCheck predictive_check(std::span<const HierarchicalCell> cells, const HierarchicalModel& model,
                                  const HierarchicalPlace& place, int draws, std::uint64_t seed);
-
-// What it says, in a sentence.
-std::string predictive_verdict(const PredictiveCheck& check);
 
 // What everyone who reads a check is told.
 inline constexpr std::string_view kPredictiveMeaning =

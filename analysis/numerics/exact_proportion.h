@@ -1,5 +1,3 @@
-// Exact statistics of rates: a proportion with its interval, and tests.
-//
 // A proportion with the exact binomial interval of Clopper and Pearson.
 //
 // Source: Clopper and Pearson 1934, Biometrika 26, 404-413; its bounds as quantiles of the beta distribution, by
@@ -16,12 +14,9 @@ struct ExactProportion {
 };
 ExactProportion exact_proportion(int k, int n, double confidence = 0.95);  // 0 <= k <= n; confidence in 0..1
 
-// Exact two-sided tests of rates: the probability of all outcomes that are no likelier than the one at hand, as
-// fisher.test and binom.test of R define it.
-// Equal rates behind k1 of n1 and k2 of n2, given the margins (Fisher 1935). 0 <= k <= n. 1 where n1 or n2 is 0.
-double fisher_exact_p(int k1, int n1, int k2, int n2);
-
-// k of n against the rate p, 0 < p < 1 (Clopper and Pearson's setting). 1 for n = 0.
+// Two-sided exact p of k of n against the rate p, 0 < p < 1: twice the smaller tail, so that it is below .05 just where p lies
+// outside the interval above. (binom.test of R adds up the outcomes that are no likelier, and its p and interval can disagree.)
+// 1 for n = 0.
 double binomial_exact_p(int k, int n, double p);
 
 }  // namespace jnd

@@ -41,27 +41,31 @@ const std::vector<Keys>& keys() {
       {"answers.csv", {}, true, true},
       {"log.csv", {}, true, true},
       {"cells.csv", {"participant", "condition", "series"}, true},
-      {"thresholds.csv", {"participant", "condition"}, true},
-      {"sub-*/report.csv", {"participant", "condition"}, true},
+      {"sub-*/report.csv", {"participant", "condition", "standard"}, true},
       {"estimates.csv", {"participant", "condition", "standard"}, true},
       {"counts.csv", {}, true},
       {"tracks.csv", {}, true},
       {"sureness.csv", {"participant", "condition"}, true},
       {"models.csv", {"participant", "condition", "model", "correction", "method"}, true},
       {"monitoring.csv", {"participant"}, true},
-      {"coded.csv", {"code"}},
+      {"coded.csv", {"condition_code"}},
       {"group.csv", {"condition", "standard", "outcome"}},
-      {"contrasts.csv", {"condition_a", "condition_b", "outcome"}},
+      {"contrasts.csv", {"a", "b", "outcome"}},
+      {"conditions.csv", {"outcome", "condition"}},
       {"tests.csv", {"outcome"}},
-      {"pairs.csv", {"outcome", "condition_a", "condition_b"}},
-      {"sensitivity.csv", {"model", "correction", "method", "condition"}},
+      {"pairs.csv", {"outcome", "a", "b"}},
+      {"values.csv", {"outcome", "participant", "condition"}, true},
+      {"between.csv", {"effect"}},
+      {"condition_by_series.csv", {"effect"}},
+      {"sensitivity.csv", {"number", "condition"}},
       {"hierarchical.csv", {"condition", "standard"}},
-      {"hierarchical_ratios.csv", {"condition_a", "condition_b", "standard"}},
-      {"hierarchical_check.csv", {"condition", "difference_n_per_m"}},
-      {"hierarchical_variants.csv", {"parameter", "condition", "standard"}},
+      {"hierarchical_ratios.csv", {"a", "b", "standard"}},
+      {"hierarchical_check.csv", {"condition", "check_level"}},
+      {"hierarchical_variants.csv", {"parameter"}},
+      {"hierarchical_variant_jnds.csv", {"variant", "condition", "standard"}},
       {"hierarchical_people.csv", {"participant", "condition", "standard"}, true},
       {"proportion.csv", {"condition"}},
-      {"ratings.csv", {"item", "condition_a", "condition_b"}},
+      {"ratings.csv", {"item", "a", "b"}},
       {"exposure.csv", {"condition", "object"}},
       {"dictionary.csv", {"file", "column"}}};
   return kKeys;
@@ -128,7 +132,6 @@ void add_reference(Json& schema, const Rows& dictionary, const Rows& rows, const
 std::vector<std::string_view> primary_of(const Keys& key, const Rows& rows) {
   if (has_all(rows, key.primary)) return key.primary;
   if (key.file == "intervals.csv") return {"session", "seq", "interval"};
-  if (key.file == "group.csv") return {"condition"};
   return {};
 }
 

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "data/blocks/result_blocks.h"
 #include "data/export/data_package.h"
 #include "data/export/device_places.h"
 #include "data/export/export_folder.h"
@@ -14,8 +15,7 @@
 #include "data/export/export_tables.h"
 #include "data/export/export_telemetry.h"
 #include "data/export/recompute_scripts.h"
-#include "data/export/result_columns.h"
-#include "data/fields/result_fields.h"
+#include "data/export/result_files.h"
 #include "data/log/body_numbers.h"
 #include "data/log/event_body.h"
 #include "data/log/utc_time.h"
@@ -203,21 +203,19 @@ void write_records(const Study& study, const Protocol& protocol, SessionKind kin
   if (!written.traces.empty()) describe("sub-*/telemetry/*-trace.csv", trace_columns(), dictionary);
 }
 
-// What each participant gets to see of the results: a file for each.
-void write_reports(const StudyResults& results, const Protocol& protocol, ExportFolder& files,
-                   std::vector<DictionaryRow>& dictionary) {
-  const auto* constant = std::get_if<ConstantResults>(&results.measured);
-  if (constant == nullptr || constant->analysis.thresholds.empty()) return;
-  const auto columns = csv_columns(threshold_fields(protocol));
-  describe("sub-*/report.csv", columns, dictionary);
-  const std::vector<ThresholdResult>& thresholds = constant->analysis.thresholds;
-  for (auto first = thresholds.begin(); first != thresholds.end();) {
-    const auto end = std::find_if(first, thresholds.end(),
-                                  [&](const ThresholdResult& row) { return row.participant != first->participant; });
-    files.write("sub-" + first->participant + "/report.csv",
-                csv_table(columns, std::vector<ThresholdResult>(first, end)));
-    first = end;
-  }
+// What each participant gets to see of the results: their own estimates.
+void write_reports(const std::vector<Block>& blocks, ExportFolder& files, std::vector<DictionaryRow>& dictionary) {
+  const Block* const estimates = block_named(blocks, "estimates");
+  if (estimates == nullptr) return;
+  std::map<std::string, std::string> of;  // by participant
+  for (std::size_t row = 0; row < estimates->rows(); ++row)
+    of[estimates->text(row, "participant")] += estimates->csv_row(row);
+  std::vector<DictionaryRow> columns;
+  estimates->describe(columns);
+  for (DictionaryRow& column : columns) column.file = "sub-*/report.csv";
+  dictionary.insert(dictionary.end(), columns.begin(), columns.end());
+  for (const auto& [participant, rows] : of)
+    files.write("sub-" + participant + "/report.csv", estimates->csv_header() + rows);
 }
 
 }  // namespace
@@ -225,7 +223,8 @@ void write_reports(const StudyResults& results, const Protocol& protocol, Export
 std::vector<std::string> export_csv(const Study& study, const Protocol& protocol, const StudyResults& results,
                                     const std::filesystem::path& folder, bool replace,
                                     const std::optional<TelemetryExport>& telemetry) {
-  const SessionKind kind = attendance_of(results).kind;
+  const SessionKind kind = results.attendance.kind;
+  const std::vector<Block> blocks = result_blocks(results, protocol);
   // Trial by trial, and answer by answer with the block's condition, pilot and simulated sessions would show the plans
   // that people of a blinded study have too; and so would the attempts that did not count.
   const bool sealed = plan_sealed(study, protocol);
@@ -243,15 +242,15 @@ std::vector<std::string> export_csv(const Study& study, const Protocol& protocol
   write("participants.csv", participant_columns(protocol), participant_rows(listed, excluded_of(study, kind)));
   write("sessions.csv", session_columns(seed_text(study, protocol, ""), results.chains.study_head, protocol), listed);
   if (!sealed) write_records(study, protocol, kind, telemetry, files, dictionary);
-  write_reports(results, protocol, files, dictionary);
-  add_results(files, results, protocol, nullptr, dictionary);
+  write_reports(blocks, files, dictionary);
+  add_results(files, blocks, dictionary);
   std::vector<LogRow> rows = log_rows(study, kind, listed);
   if (sealed)  // what was said in one trial of the common plan hints at its stimuli
     for (LogRow& row : rows)
       if (row.event == kTakenBackEvent) row.subject.clear();
   if (!rows.empty()) write("log.csv", log_columns(), rows);
   files.write("methods.md", methods_text(study, protocol, results));
-  if (!std::holds_alternative<ExplorationResults>(results.measured))  // which has nothing to compute again
+  if (!results.task.outcomes.empty())  // which has nothing to compute again
     for (const RecomputeScript& script : kRecomputeScripts)
       files.write(std::string(script.name), std::string(script.text));
   write_descriptions(files, protocol, fmt::format("{} data", to_string(kind)), std::move(dictionary));

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "analysis/numerics/special_values.h"
-#include "data/fields/between_fields.h"
+#include "data/blocks/common_fields.h"
 #include "data/fields/field.h"
 #include "protocols/course/prescription.h"
 #include "protocols/tasks/level_source.h"
@@ -19,11 +19,10 @@ namespace jnd {
 
 namespace {
 
-constexpr const char* kKinds = "real pilot simulated";
 constexpr const char* kNothing = "";
 
 // What may be seen of a blinded study.
-FieldTraits open_traits(const char* levels = kNothing) {
+FieldTraits open_traits(std::string_view levels = kNothing) {
   return {.levels = levels, .reveals = Reveals::nothing};
 }
 
@@ -41,7 +40,8 @@ void add_session_fields(Fields<Row>& fields) {
   fields.push_back(F(
       "session_number", "which of the participant's sessions, from 1", [](const Row& r) { return r.session.number; },
       open_traits()));
-  fields.push_back(F("kind", "kind of the session", [](const Row& r) { return r.session.kind; }, {.levels = kKinds}));
+  fields.push_back(
+      F("kind", "kind of the session", [](const Row& r) { return r.session.kind; }, {.levels = kSessionKinds}));
 }
 
 // Behind the participant, where the protocol has groups. Who says a group knows it; one that was drawn stays sealed.
@@ -440,7 +440,7 @@ std::vector<CsvColumn<ExportParticipant>> participant_columns(const Protocol& pr
   add({"participant", "code of the participant", [](const R& r) { return r.first.participant; }, open_traits()});
   add({"participant_number", "number of the plan", [](const R& r) { return r.first.participant_number; },
        open_traits()});
-  add({"kind", "kind of the sessions", [](const R& r) { return r.first.kind; }, open_traits(kKinds)});
+  add({"kind", "kind of the sessions", [](const R& r) { return r.first.kind; }, open_traits(kSessionKinds)});
   add({"sessions", "sessions that were opened", &R::sessions, open_traits()});
   add({"sessions_closed", "of them closed", &R::closed, open_traits()});
   add({"ended_early", "whether a session was closed for good before its end", &R::ended_early, open_traits("0 1")});
@@ -464,7 +464,7 @@ std::vector<CsvColumn<SessionInfo>> session_columns(const std::string& seed, con
   add({"participant_number", "number of the plan", &R::participant_number, open_traits()});
   add({"session", "identifier of the session", &R::id, open_traits()});
   add({"session_number", "which of the participant's sessions, from 1", &R::number, open_traits()});
-  add({"kind", "kind of the session", &R::kind, open_traits(kKinds)});
+  add({"kind", "kind of the session", &R::kind, open_traits(kSessionKinds)});
   add({"language", "language of the participant; empty where none was chosen", &R::language, open_traits()});
   add({"excluded", "whether the participant was excluded: nothing of theirs is in the files of trials and results",
        &R::excluded, open_traits("0 1")});

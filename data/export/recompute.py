@@ -7,25 +7,25 @@ It needs Python 3.8 or later and nothing else. It is meant to be read: each step
 short function. dictionary.csv says what every column of every file means.
 
     trials.csv, intervals.csv -> cells.csv       how often "different" was said, rates, z, d'
-    cells                     -> thresholds.csv  slope of d' on the difference, JND = 1 / slope
-    thresholds                -> group.csv       means, intervals, medians over participants
-                                 contrasts.csv   conditions against each other, with the registered test
-                                 pairs.csv, tests.csv (ratings: from answers.csv), groups.csv
+    cells, trials             -> estimates.csv   slope of d' on the difference, JND = 1 / slope; times of every task
+    levels of reversals       -> tracks.csv      thresholds of staircases; sums over the tracks of a condition
+    estimates                 -> group.csv       means, intervals, medians over participants
+                                 values.csv      what is compared (ratings: from answers.csv), and from it
+                                 conditions.csv, contrasts.csv, pairs.csv, tests.csv, groups.csv
 
-Each step works on what the step before it computed, not on the file. Of the tasks other than same-different, and of
-adaptive procedures, the participants' own estimates (estimates.csv, tracks.csv) are taken as they are, and everything
-from there on is computed again. So are the JNDs of maximum likelihood (thresholds.csv).
+Each step works on what the step before it computed, not on the file. Estimates of the tasks other than same-different
+with given levels, and those of maximum likelihood, are taken from estimates.csv as they are, and everything from there
+on is computed again.
 
 What it prints: for each file how many numbers and words were compared and the largest relative difference; which
-columns it does not compute; how many rows it read of how many that were written. It ends with status 1 where a row is
-missing, or a number differs by more than 1e-9 of itself; a number next to zero, such as a difference of equal means, may
-differ by 1e-14 of the largest number of its column, and a mean by 1e-14 of its spread.
+numbers it does not compute (x_*: all whose names begin so); how many rows it read of how many that were written; the
+files that it does not compute. It ends with status 1 where a row is missing, or a number differs by more than 1e-9 of
+itself; a number next to zero, such as a difference of equal means, may differ by 1e-14 of the largest number of its
+column, and a mean by 1e-14 of its spread.
 
 Of the hierarchical model (hierarchical.csv) it computes ln L at the estimates, from the trials and by nodes of its own,
 and compares it within 1e-5. The estimates themselves are not searched; instead a small step of any of them, up or down,
 must not raise ln L. Variants with lapses, drift, overdispersion or sureness, intervals and tests are not computed.
-
-Bootstrap intervals of single JNDs are drawn at random, from the study's own seed, and are not computed here.
 """
 import os
 import sys
@@ -36,9 +36,11 @@ sys.path = [place for place in sys.path if os.path.realpath(place) != HERE]  # n
 import csv
 import functools
 import heapq
+import itertools
 import math
 import operator
 import re
+from collections import Counter
 from statistics import NormalDist, median
 
 TOLERANCE = 1e-9
@@ -47,7 +49,6 @@ NORMAL = NormalDist()
 NEAR_ZERO = 1e-5  # a number next to zero may differ by TOLERANCE of this share of what it comes from
 LEAST_SLOPE = 1e-9  # at or below it no difference is noticeable
 ROUNDING = 1e-13  # a spread of less than this share of the values is none
-
 
 # --- Distributions ---------------------------------------------------------------------------------------------------
 
@@ -107,8 +108,8 @@ def t_quantile(df):
 
 def f_upper(f, df1, df2):
     """P(F >= f)."""
-    if math.isnan(df1):
-        return NAN
+    if math.isnan(df1) or math.isinf(f):
+        return 0.0 if math.isinf(f) else NAN
     return beta_share(df2 / 2, df1 / 2, df2 / (df2 + df1 * f), df1 * f / (df2 + df1 * f))
 
 
@@ -142,6 +143,7 @@ def listed():
         raise Trouble(f"{FOLDER}: SHA256SUMS is missing: this is no folder of jnd export") from None
 
 
+@functools.lru_cache(None)
 def read(name):
     """The rows of a file, as dictionaries of text; none where the export has no such file."""
     if name not in LISTED:
@@ -157,6 +159,18 @@ def read(name):
     return rows
 
 
+@functools.lru_cache(None)
+def numbers_in(name):
+    """The columns of a file that are numbers, by the dictionary."""
+    return [row["column"] for row in read("dictionary.csv")
+            if row["file"] == name and row["type"] in ("number", "integer") and row["column"] not in GIVEN]
+
+
+# Columns that are no results: of the design, or what others published.
+GIVEN = ("standard_value", "reference", "published", "published_half_width", "track")
+KEYS = ("participant", "condition", "series")  # of cells; they are not compared
+
+
 def number(text):
     """An empty cell is a missing value."""
     return float(text) if text else NAN
@@ -166,17 +180,17 @@ class Checked:
     """Compares what was computed with what a file says."""
     all = []
 
-    def __init__(self, name, source, rows, keys, aside=()):
-        self.name, self.source, self.rows, self.aside = name, source, rows, list(aside)
-        self.keys, self.skipped, self.notes = keys, [], []  # skipped: outcomes whose rows were not computed
+    def __init__(self, name, source, rows):
+        self.name, self.source, self.rows = name, source, rows
+        self.skipped, self.notes = [], []  # skipped: outcomes whose rows were not computed
         self.compared, self.largest, self.wrong, self.scales = 0, 0.0, [], {}
-        self.open = [column for column in (rows[0] if rows else ()) if column not in keys]
+        self.open = [column for column in numbers_in(name) if any(row[column] for row in rows)]  # not computed
         Checked.all.append(self)
 
     def compare(self, row, values):
         """values: what was computed, by column. Numbers are compared as such, everything else as text."""
         for column, value in values.items():
-            if column not in row or column in self.keys:
+            if column not in row or column in KEYS:
                 continue
             if column in self.open:
                 self.open.remove(column)
@@ -199,24 +213,18 @@ class Checked:
         return abs(said - value) / max(abs(said), abs(value), NEAR_ZERO * self.scale_of(row, column))
 
     def scale_of(self, row, column):
-        """What a number next to zero is held against."""
-        if not is_of_mean(column):
-            return self.largest_of(column)
-        sizes = [abs(number(row[other])) for other in row if is_of_mean(other) and row[other]]
-        return max([self.largest_of(column)] + [size for size in sizes if size < math.inf])
-
-    def largest_of(self, column):
+        """What a number next to zero is held against; the rounding of a mean is that of what it is taken from."""
         if column not in self.scales:
-            sizes = [abs(number(row[column])) for row in self.rows if row[column]]
-            self.scales[column] = max((size for size in sizes if size < math.inf), default=0.0)
-        return self.scales[column]
+            self.scales[column] = largest(one[column] for one in self.rows)
+        of_mean = re.compile("(^|_)(mean|sd|ci)(_|$)").search
+        means = [row[one] for one in numbers_in(self.name) if of_mean(one)] if of_mean(column) else []
+        return max(self.scales[column], largest(means))
 
     def report(self):
         print(f"{self.name}: from {self.source}")
         print(f"  {self.compared} values compared, largest difference {self.largest:.1e}")
-        left = [column for column in self.open if column not in self.aside]
-        if left:
-            print("  not computed: " + ", ".join(left))
+        if self.open:
+            print("  not computed: " + ", ".join(self.folded()))
         if self.skipped:
             print("  not computed: the rows of " + ", ".join(self.skipped))
         for line in self.notes:
@@ -224,15 +232,36 @@ class Checked:
         for line in self.wrong[:5]:
             print("  DIFFERS: " + line)
 
+    def folded(self):
+        """The columns that are not computed; those of one beginning, none of which is, as one."""
+        done = [column for column in numbers_in(self.name) if column not in self.open]
+        for begin, columns in itertools.groupby(self.open, lambda column: column.split("_")[0]):
+            columns = list(columns)
+            whole = len(columns) > 1 and not any(column.startswith(begin + "_") for column in done)
+            yield from [begin + ("*" if begin in columns else "_*")] if whole else columns
 
-def is_of_mean(column):
-    """Whether it is of a mean, whose rounding is that of the values that it is taken from."""
-    return any(part in column for part in ("mean", "sd", "ci95"))
+
+def check(block, source, computed, outcome_of=None):
+    """computed(row): what a row of BLOCK.csv should say, by column; computed(row, outcome) if rows are about outcomes,
+    each found by outcome_of(name, standard): None if this script cannot compute it."""
+    rows = read(block + ".csv")
+    checked = Checked(block + ".csv", source, rows) if rows else None
+    for row in rows:
+        outcome = [outcome_of(row["outcome"], row["standard"])] if outcome_of else []
+        if None not in outcome:
+            checked.compare(row, computed(row, *outcome))
+        elif row["outcome"] not in checked.skipped:
+            checked.skipped.append(row["outcome"])
+    return checked
+
+
+def largest(texts):
+    return max((size for size in (abs(number(text)) for text in texts) if size < math.inf), default=0.0)
 
 
 def suffixed(row, begin):
-    """The column of a row whose name begins so: slope_per_ is slope_per_n_per_m in one study, slope_per_s in another."""
-    return next(column for column in row if column.startswith(begin))
+    """The column of a row whose name begins so: standard_ is standard_n_per_m in one study, standard_s in another."""
+    return next((column for column in row if column.startswith(begin)), None)
 
 
 # --- From trials to cells --------------------------------------------------------------------------------------------
@@ -254,7 +283,7 @@ def delivered_stiffness(intervals):
     """By session and event: the stiffness delivered in each interval, a mean over its devices."""
     found = {}
     for row in intervals:
-        stiffness = suffixed(row, "stiffness_") if any(c.startswith("stiffness_") for c in row) else None
+        stiffness = suffixed(row, "stiffness_")
         if stiffness and row[stiffness]:
             found.setdefault((row["session"], row["seq"], row["interval"]), []).append(float(row[stiffness]))
     return {key: mean(values) for key, values in found.items()}
@@ -272,17 +301,17 @@ def grouped(rows, *columns):
     return found
 
 
-def by_cell(trials):
-    return grouped(trials, "participant", "condition", "series")
+def stimuli(row):
+    """What was asked for in each interval of a trial."""
+    return [float(row[column]) for column in row if column.startswith("stimulus_")]
 
 
 def pairs_of_series(trials):
     """The softer and the stiffer object of each series."""
     pairs = {}
     for row in trials:
-        stimuli = [float(row[column]) for column in row if column.startswith("stimulus_")]
         low, high = pairs.get(row["series"], (math.inf, -math.inf))
-        pairs[row["series"]] = (min(low, *stimuli), max(high, *stimuli))
+        pairs[row["series"]] = (min(low, *stimuli(row)), max(high, *stimuli(row)))
     return pairs
 
 
@@ -295,8 +324,7 @@ def delivery(trials, pair, stiffness):
     differences, without_fit, by_object = [], 0, ([], [])
     for row in trials:
         got = []
-        for interval in ("1", "2"):
-            asked = float(row[suffixed(row, f"stimulus_{interval}_")])
+        for interval, asked in zip(("1", "2"), stimuli(row)):
             k = stiffness.get((row["session"], row["seq"], interval))
             got.append(k)
             if k is not None:
@@ -314,20 +342,20 @@ def rates(n_diff, hits, n_same, false_alarms, correction):
     """The yes-no model: d' = z(H) - z(F), with its standard error (Gourevitch and Galanter 1967)."""
     if n_diff == 0 or n_same == 0:
         names = ("raw_hit_rate", "raw_false_alarm_rate", "hit_rate", "false_alarm_rate", "z_hit", "z_false_alarm",
-                 "dprime", "dprime_se", "dprime_ci95_low", "dprime_ci95_high", "criterion")
+                 "dprime", "se", "ci_low", "ci_high", "criterion", "ln_beta")
         return {**dict.fromkeys(names, NAN), "status": "missing"}
     z_hit, z_false = z_of(hits, n_diff, correction), z_of(false_alarms, n_same, correction)
-    dprime = z_hit - z_false
-    variance = (z_variance(hits, n_diff, z_hit, correction) + z_variance(false_alarms, n_same, z_false, correction))
-    se = math.sqrt(variance)
+    dprime, criterion = z_hit - z_false, -(z_hit + z_false) / 2
+    se = math.sqrt(z_variance(hits, n_diff, z_hit, correction) +
+                   z_variance(false_alarms, n_same, z_false, correction))
     one_answer = hits + false_alarms in (0, n_diff + n_same)
     wald = NORMAL.inv_cdf(0.975) * se
     return {"raw_hit_rate": hits / n_diff, "raw_false_alarm_rate": false_alarms / n_same,
             "hit_rate": corrected_rate(hits, n_diff, correction),
             "false_alarm_rate": corrected_rate(false_alarms, n_same, correction),
-            "z_hit": z_hit, "z_false_alarm": z_false, "dprime": dprime, "dprime_se": se,
-            "dprime_ci95_low": dprime - wald, "dprime_ci95_high": dprime + wald,
-            "criterion": -(z_hit + z_false) / 2, "status": "no_information" if one_answer else "ok"}
+            "z_hit": z_hit, "z_false_alarm": z_false, "dprime": dprime, "se": se, "ci_low": dprime - wald,
+            "ci_high": dprime + wald, "criterion": criterion, "ln_beta": dprime * criterion,
+            "status": "no_information" if one_answer else "ok"}
 
 
 def z_variance(k, n, z, correction):
@@ -337,14 +365,15 @@ def z_variance(k, n, z, correction):
     return share / (n * NORMAL.pdf(z) ** 2)
 
 
-def cells_of(trials, intervals, said):
-    """A row for each row of cells.csv. said: those; from them it takes which cells are planned and which correction
-    and differences (as asked, or as delivered) were registered."""
-    main = [row for row in trials if row["practice"] == "0"]
-    everything, used = by_cell(main), by_cell(counted(trials))
-    pairs, stiffness = pairs_of_series(main), delivered_stiffness(intervals)
-    cells = []
-    for row in said:
+@functools.lru_cache(None)
+def cells():
+    """A row for each row of cells.csv. From it comes which cells are planned, and which correction and differences (as
+    asked, or as delivered) were registered. The others have x, the difference that the slope is on."""
+    main = [row for row in read("trials.csv") if row["practice"] == "0"]
+    everything, used = (grouped(rows, "participant", "condition", "series") for rows in (main, counted(main)))
+    pairs, stiffness = pairs_of_series(main), delivered_stiffness(read("intervals.csv"))
+    found = []
+    for row in read("cells.csv"):
         key = (row["participant"], row["condition"], row["series"])
         rows = used.get(key, [])
         different = [one for one in rows if one["same"] == "0"]
@@ -352,21 +381,61 @@ def cells_of(trials, intervals, said):
         hits, false_alarms = sum(map(said_different, different)), sum(map(said_different, same))
         pair = pairs.get(row["series"], (NAN, NAN))
         differences, without_fit, (softer, stiffer) = delivery(rows, pair, stiffness)
-        cell = {"participant": key[0], "condition": key[1], "series": key[2],
-                suffixed(row, "difference_"): pair[1] - pair[0],
-                suffixed(row, "delivered_difference_"): mean(differences), "n_delivered": len(differences),
-                "n_without_fit": without_fit,
-                suffixed(row, "delivered_softer_"): mean(softer), "n_softer": len(softer),
-                suffixed(row, "delivered_stiffer_"): mean(stiffer), "n_stiffer": len(stiffer),
-                "n_diff": len(different), "hits": hits, "n_same": len(same), "false_alarms": false_alarms,
-                "excluded": len(everything.get(key, [])) - len(rows),
-                **rates(len(different), hits, len(same), false_alarms, row["correction"])}
-        cell["x"] = mean(differences) if row["difference_source"] == "delivered" else pair[1] - pair[0]
-        cells.append(cell)
-    return cells
+        delivered = row["difference_source"] == "delivered"
+        found.append({"participant": key[0], "condition": key[1], "series": key[2], "difference": pair[1] - pair[0],
+                      "delivered_difference": mean(differences), "n_delivered": len(differences),
+                      "n_without_fit": without_fit, "delivered_softer": mean(softer), "n_softer": len(softer),
+                      "delivered_stiffer": mean(stiffer), "n_stiffer": len(stiffer), "n_diff": len(different),
+                      "hits": hits, "n_same": len(same), "false_alarms": false_alarms,
+                      "excluded": len(everything.get(key, [])) - len(rows),
+                      **rates(len(different), hits, len(same), false_alarms, row["correction"]),
+                      "x": mean(differences) if delivered else pair[1] - pair[0]})
+    return found
 
 
-# --- From cells to thresholds ----------------------------------------------------------------------------------------
+# --- Tracks of a procedure -------------------------------------------------------------------------------------------
+
+def of_track(row):
+    """Of a staircase the mean and standard deviation of its last reversals; of others there is nothing to compute."""
+    if not row["track"]:
+        return tracks_together()[row["participant"], row["condition"], row["standard"]]
+    if "sd" not in row:
+        return {}
+    last = [float(level) for level in row["reversals"].split()]
+    last = last[len(last) - int(row["n"]):]
+    return {"threshold": mean(last), "sd": spread(last)}
+
+
+@functools.lru_cache(None)
+def tracks_together():
+    """By participant, condition and standard: all of the tracks together. The threshold is the mean of theirs, of QUEST
+    by logarithms; a posterior of all answers is no mean, and not computed."""
+    found = {}
+    for key, (*tracks, row) in grouped(read("tracks.csv"), "participant", "condition", "standard").items():
+        values = {column: sum(int(track[column]) for track in tracks)
+                  for column in ("trials", "hits", "catch_trials", "false_alarms")}
+        values["finished"] = all(track["finished"] == "1" for track in tracks)
+        used = [track for track in tracks if track["status"] == "ok"]
+        short = [track for track in tracks if track["status"] == "too_few_reversals" and track["n"] != "0"]
+        if sum(int(track["n"]) for track in used + short) == int(row["n"] or 0):
+            used += short  # the protocol lets them count
+        if "sd" in row:
+            freedom = [int(track["n"]) - 1 for track in used]
+            squares = sum(of_track(track)["sd"] ** 2 * n for track, n in zip(used, freedom))
+            values["threshold"] = mean([of_track(track)["threshold"] for track in used])
+            values["sd"] = math.sqrt(squares / sum(freedom)) if used else NAN
+        elif "sd_log10" in row:
+            squares = sum(float(track["sd_log10"]) ** 2 for track in used)
+            values["threshold"] = 10 ** mean([math.log10(float(track["threshold"])) for track in used])
+            values["sd_log10"] = math.sqrt(squares) / len(used) if used else NAN
+        found[key] = values
+    return found
+
+
+# --- From cells and trials to estimates ------------------------------------------------------------------------------
+
+CLOSED = ("least_squares", "weighted", "inverse_mean_slope", "mean_of_ratios")
+
 
 def unit_slope(dprime):
     """d' of the independent-observation model from that of the yes-no model (Macmillan and Creelman 2005, ch. 9)."""
@@ -376,7 +445,7 @@ def unit_slope(dprime):
     return math.copysign(2 * NORMAL.inv_cdf((1 + math.sqrt(2 * largest - 1)) / 2), dprime) if dprime else 0.0
 
 
-def slope_of(cells, method, model, correction):
+def slope_of(cells, method, model):
     """The slope of d' on the difference x, through the origin; None where it is refused."""
     if not any(cell["status"] == "ok" for cell in cells):
         return NAN
@@ -400,17 +469,6 @@ def slope_of(cells, method, model, correction):
             sum(w * x * x for w, (x, d) in zip(weights, points)))
 
 
-def jnd_of(slope):
-    """Status and JND."""
-    if slope is None:
-        return "no_sensitivity", NAN
-    if math.isnan(slope):
-        return "no_information", NAN
-    if slope == math.inf:
-        return "ceiling", 0.0
-    return ("no_sensitivity", NAN) if slope <= LEAST_SLOPE else ("ok", 1 / slope)
-
-
 def cautions(cells, missing, status, jnd):
     names = []
     if status == "ok" and not min(c["x"] for c in cells) <= jnd <= max(c["x"] for c in cells):
@@ -422,38 +480,58 @@ def cautions(cells, missing, status, jnd):
     return " ".join(names + (["series_missing"] if missing else []))
 
 
-def thresholds_of(cells, trials, said):
-    """A row for each row of thresholds.csv."""
-    rows, cells_by, trials_by = [], grouped(cells, "participant", "condition"), grouped(counted(trials), "participant", "condition")
+def of_cells(row, own):
+    """Slope and JND of a participant and condition. own: their cells."""
+    used = [cell for cell in own if cell["status"] != "missing"]
+    slope = slope_of(used, row["method"], row["model"])
+    status = ("no_sensitivity" if slope is None or slope <= LEAST_SLOPE else "no_information" if math.isnan(slope) else
+              "ceiling" if slope == math.inf else "ok")
+    jnd = 1 / slope if status == "ok" else NAN
+    return {"series_used": len(used), "slope": NAN if slope is None else slope, "jnd": jnd,
+            "weber": jnd / float(row["reference"]), "status": status,
+            "cautions": cautions(used, len(used) < len(own), status, jnd)}
+
+
+def of_tracks(row):
+    """The threshold of all tracks together; of answers with a posterior of their own there is none."""
+    tracks = tracks_together().get((row["participant"], row["condition"], row["standard"]), {})
+    if "threshold" not in tracks:
+        return {}
+    threshold = tracks["threshold"]
+    if "track_threshold" in row:
+        return {"track_threshold": threshold}
+    return {"threshold": threshold, "weber": threshold / float(row["standard_value"])}
+
+
+def of_trials(main):
+    """Trials and times of a participant and condition at a standard."""
+    used = counted(main)
+    typed = [float(one["response_time_s"]) for one in used if one["entered_by"] == "participant"]
+    return {"trials": len(used), "excluded": len(main) - len(used), "median_response_time_s": median_of(typed),
+            "mean_trial_s": mean([float(one["duration_s"]) for one in used])}
+
+
+def check_estimates():
+    """Returns the rows of estimates.csv, as computed here where they are, and what they rest on."""
+    said, trials = read("estimates.csv"), read("trials.csv")
+    if not said:
+        raise Trouble("there is nothing to compute: this folder has no estimates of participants")
+    pairs, computed = bool(trials) and said[0].get("method") in CLOSED, []
+    several = len({row["standard"] for row in said}) > 1  # else one stands for all series
+    main = grouped([row for row in trials if row["practice"] == "0"], "participant", "condition", *["series"] * several)
+    of_people = grouped(cells(), "participant", "condition") if pairs else {}
     for row in said:
-        key = (row["participant"], row["condition"])
-        own, times = cells_by.get(key, []), trials_by.get(key, [])
-        used = [c for c in own if c["status"] != "missing"]
-        slope = slope_of(used, row["method"], row["model"], row["correction"])
-        status, jnd = jnd_of(slope)
-        reference = float(row[suffixed(row, "reference_")])
-        typed = [float(t["response_time_s"]) for t in times if t["entered_by"] == "participant"]
-        rows.append({"participant": row["participant"], "condition": row["condition"], "series_used": len(used),
-                     suffixed(row, "slope_per_"): NAN if slope is None else slope,
-                     next(c for c in row if c.startswith("jnd_") and "ci95" not in c): jnd,
-                     "weber": jnd / reference, "status": status,
-                     "cautions": cautions(used, len(used) < len(own), status, jnd),
-                     "median_response_time_s": median(typed) if typed else NAN,
-                     "mean_trial_s": mean([float(t["duration_s"]) for t in times])})
-    return rows
-
-
-def thresholds_as_said(said):
-    """Where the method is none of those above, the rows of thresholds.csv themselves."""
-    words = ("participant", "condition", "status", "cautions")
-    return [{column: row[column] if column in words else numeric(row[column]) for column in row} for row in said]
-
-
-def numeric(text):
-    try:
-        return number(text)
-    except ValueError:
-        return text
+        person = (row["participant"], row["condition"])
+        own = main.get((*person, row["standard"]) if several else person, [])
+        computed.append({**(of_trials(own) if trials else {}),
+                         **(of_cells(row, of_people[person]) if pairs else of_tracks(row))})
+    of_rows = iter(computed)
+    there = " and ".join(filter(read, ("trials.csv", "tracks.csv")))
+    check("estimates", there or "nothing that is in this folder", lambda row: next(of_rows))
+    numbers = numbers_in("estimates.csv")
+    estimates = [{**row, **{column: number(row[column]) for column in numbers}, **values}
+                 for row, values in zip(said, computed)]
+    return estimates, "trials.csv" if pairs else "the participants' estimates in estimates.csv"
 
 
 # --- From participants to the group ----------------------------------------------------------------------------------
@@ -468,96 +546,135 @@ def mean_with_interval(values):
     return n, m, sd, m - half, m + half
 
 
-def mean_columns(name, unit, values):
-    n, m, sd, low, high = mean_with_interval(values)
-    return {f"n_{name}": n, f"{name}_mean{unit}": m, f"{name}_sd{unit}": sd, f"{name}_ci95_low{unit}": low,
-            f"{name}_ci95_high{unit}": high}
+def mean_columns(values, mean_name="mean"):
+    return dict(zip(("n", mean_name, "sd", "ci_low", "ci_high"), mean_with_interval(values)))
 
 
-def median_of_jnds(rows, jnd):
-    """No sensitivity counts as an infinite JND, the ceiling as none at all."""
-    values = sorted({"ok": row[jnd], "no_sensitivity": math.inf, "ceiling": 0.0}[row["status"]] for row in rows
-                    if row["status"] != "no_information")
-    if not values:
-        return {"n_median": 0, "median": NAN, "status": "no_information"}
-    upper, lower = values[len(values) // 2], values[(len(values) - 1) // 2]
-    if upper == math.inf:
-        return {"n_median": len(values), "median": math.inf, "status": "no_sensitivity"}
-    if lower == 0:
-        return {"n_median": len(values), "median": NAN, "status": "ceiling"}
-    return {"n_median": len(values), "median": median(values), "status": "ok"}
+SHARES = ("correct", "area", "r2")  # outcomes whose intervals end at 0 and 1
 
 
-def check_jnd_group(thresholds, source):
-    said = read("group.csv")
-    checked = Checked("group.csv", source, said, ("condition", "kind"), CONVENTION)
-    for row in said:
-        rows = [one for one in thresholds if one["condition"] == row["condition"]]
-        jnd, slope, unit = threshold_columns(rows[0] if rows else thresholds[0])
-        ok = [one for one in rows if one["status"] == "ok"]
-        slopes = [one[slope] for one in rows if math.isfinite(one[slope]) and one["status"] != "no_information"]
-        middle = median_of_jnds(rows, jnd)
-        values = {"participants": len(rows), **mean_columns("jnd", unit, [one[jnd] for one in ok]),
-                  "n_median": middle["n_median"], f"jnd_median{unit}": middle["median"],
-                  "jnd_median_status": middle["status"],
-                  **mean_columns("log_jnd", "", [math.log(one[jnd]) for one in ok]),
-                  "n_slope": len(slopes), "n_used": len(ok),
-                  f"inverse_mean_slope{unit}": 1 / mean(slopes) if slopes and mean(slopes) > LEAST_SLOPE else NAN,
-                  **mean_columns("weber", "", [one["weber"] for one in ok])}
-        for status in ("no_sensitivity", "ceiling", "no_information"):
-            values["n_" + status] = sum(one["status"] == status for one in rows)
-        checked.compare(row, values)
+def within_limits(outcome, found):
+    """The intervals of a share end at 0 and 1."""
+    if outcome in SHARES:
+        for name in ("ci_low", "ci_high", "ci_within_low", "ci_within_high"):
+            if not math.isnan(found.get(name, NAN)):
+                found[name] = min(max(found[name], 0.0), 1.0)
+    return found
 
 
-def threshold_columns(row):
-    """The names of JND and slope, and the unit in them."""
-    slope = suffixed(row, "slope_per_")
-    unit = slope[len("slope_per"):]
-    return "jnd" + unit, slope, unit
+def spread(values):
+    return mean_with_interval(values)[2]
 
 
-def summary(values):
-    """The columns of a mean of those who have a value."""
-    there = [value for value in values if math.isfinite(value)]
-    n, m, sd, low, high = mean_with_interval(there)
-    return {"n_used": n, "mean": m, "sd": sd, "ci95_low": low, "ci95_high": high,
-            "median": median(there) if there else NAN}
+def median_of(values):
+    return median(values) if values else NAN
 
 
-def check_threshold_group(tracks, source):
-    """Of an adaptive procedure."""
-    said = read("group.csv")
-    checked = Checked("group.csv", source, said, ("condition",))
-    for row in said:
-        rows = [one for one in tracks if one["condition"] == row["condition"] and one["track"] == ""]
-        ok = [one for one in rows if one["status"] == "ok"]
-        n, m, sd, _, _ = mean_with_interval([float(one["threshold"]) for one in ok])
-        shares = [int(one["false_alarms"]) / int(one["catch_trials"]) if int(one["catch_trials"]) else NAN
-                  for one in ok]
-        checked.compare(row, {"participants": len(rows), "n_used": n, "threshold_mean": m, "threshold_sd": sd,
-                              "false_alarm_rate": mean(shares)})
+def finite(values):
+    return [value for value in values if math.isfinite(value)]
 
 
-def check_estimate_group(estimates, source):
-    """Of the tasks that have estimates of their own."""
-    said = read("group.csv")
-    checked = Checked("group.csv", source, said, ("condition", "standard", "kind", "outcome", "unit"))
-    checked.aside = [column for column in (said[0] if said else ()) if column.startswith("standard_")]
-    for row in said:
-        rows = [e for e in estimates if (e["condition"], e["standard"]) == (row["condition"], row["standard"])]
-        values = [float(e[row["outcome"]]) for e in rows if e[row["outcome"]]]
-        checked.compare(row, {"participants": len(rows), **summary(values)})
+class Outcome:
+    """Values of an outcome by participant and condition; NaN where one is missing."""
+
+    def __init__(self, name, values):
+        self.name, self.values = name, values
+        self.conditions = list(dict.fromkeys(row["condition"] for row in read("group.csv")))
+        # Where groups get different conditions, nobody but those who get them all is in tests over all conditions.
+        whole = [own for own in values.values() if len(own) == len(self.conditions)]
+        self.crossed = len(whole) == len(values)
+        # A row for each participant who has a value under every condition.
+        self.complete = [[own[condition] for condition in self.conditions] for own in whole
+                         if all(map(math.isfinite, own.values()))]
+        self.left_out = len(whole) - len(self.complete)
+        self.too_few = len(self.complete) < 2 or len(self.conditions) < 2
+        # A mean over those who have a value would pick the good ones; slopes exist for nearly everyone.
+        self.refused = (name != "slope" and self.left_out > 0) or self.too_few
+
+    def column(self, condition):
+        place = self.conditions.index(condition)
+        return [row[place] for row in self.complete]
+
+    def differences(self, a, b):
+        return [x - y for x, y in zip(self.column(a), self.column(b))]
+
+    def of_both(self, a, b):
+        return [(own[a], own[b]) for own in self.values.values() if a in own and b in own]
+
+    def within(self, condition):
+        """The interval without differences between participants (Cousineau 2005, Morey 2008)."""
+        if self.too_few:
+            return {"n_within": 0, "ci_within_low": NAN, "ci_within_high": NAN}
+        n, k, values = len(self.complete), len(self.conditions), self.column(condition)
+        centred = [value - mean(row) for value, row in zip(values, self.complete)]
+        half = t_quantile(n - 1) * spread(centred) * math.sqrt(k / (k - 1) / n)
+        return {"n_within": n, "ci_within_low": mean(values) - half, "ci_within_high": mean(values) + half}
+
+
+def outcome_by_person(name, estimates, value):
+    """value: of the rows of a participant and condition."""
+    values = {}
+    for (participant, condition), rows in grouped(estimates, "participant", "condition").items():
+        values.setdefault(participant, {})[condition] = value(rows)
+    return Outcome(name, values)
+
+
+def median_with_limits(values):
+    """Of two in the middle that are not both values the one that is none decides."""
+    values = sorted(values)
+    upper, lower = (values[len(values) // 2], values[(len(values) - 1) // 2]) if values else (NAN, NAN)
+    return math.inf if upper == math.inf else NAN if lower == -math.inf else median_of(values)
+
+
+def reason_without(row, name):
+    """Why an outcome has no finite value."""
+    if row["status"] != "ok":
+        return row["status"]
+    return row.get(name + "_status") or ("infinite" if math.isinf(row[name]) else "undefined")
+
+
+def check_group(estimates, source):
+    # No sensitivity counts as an infinite JND, the ceiling as none at all.
+    limits = {"no_sensitivity": math.inf, "ceiling": -math.inf} if "method" in estimates[0] else {}
+    tracks, at_standard = tracks_together(), grouped(estimates, "standard")
+
+    @functools.lru_cache(None)
+    def outcome_at(standard, name):
+        return outcome_by_person(name, at_standard[standard,], lambda rows: rows[0][name])
+
+    def computed(row):
+        name = row["outcome"]
+        rows = [one for one in at_standard[row["standard"],] if one["condition"] == row["condition"]]
+        there = [one for one in rows if math.isfinite(one[name])]
+        values = [one[name] for one in there]
+        without = [reason_without(one, name) for one in rows if not math.isfinite(one[name])]
+        limited = values + [limits[status] for status in without if status in limits and name != "slope"]
+        found = {"participants": len(rows), **mean_columns(values), "median": median_with_limits(limited),
+                 "n_median": len(limited), **outcome_at(row["standard"], name).within(row["condition"]),
+                 "without": ", ".join(f"{n} {status}" for status, n in sorted(Counter(without).items()))}
+        if row["geometric_mean"]:
+            _, *of_logarithms = mean_with_interval([math.log(value) if value else -math.inf for value in values])
+            names = ("geometric_mean", "geometric_sd", "geometric_ci_low", "geometric_ci_high")
+            found.update(zip(names, map(math.exp, of_logarithms)))
+        if name == "slope":
+            found["inverse_mean"] = 1 / mean(values) if mean(values) > LEAST_SLOPE else NAN
+        if tracks:
+            own = [tracks[one["participant"], one["condition"], one["standard"]] for one in there]
+            found["false_alarm_rate"] = mean([one["false_alarms"] / (one["catch_trials"] or NAN) for one in own])
+        return within_limits(name, found)
+
+    check("group", source, computed)
 
 
 # --- Conditions against each other -----------------------------------------------------------------------------------
 
 def paired_t(differences):
-    """Student's t of paired differences, and its two-sided p."""
+    """Student's t of paired differences, with its two-sided p and interval."""
     n, m, sd, low, high = mean_with_interval(differences)
     if n < 2 or sd <= ROUNDING * max(map(abs, differences)):
-        return {"t": NAN, "df": n - 1 if n > 1 else NAN, "p": NAN, "low": NAN, "high": NAN, "dz": NAN}
+        return {"t_t": NAN, "t_df": n - 1 if n > 1 else NAN, "t_p": NAN, "t_ci_low": NAN, "t_ci_high": NAN, "t_dz": NAN}
     t = m / (sd / math.sqrt(n))
-    return {"t": t, "df": n - 1, "p": t_two_sided(t, n - 1), "low": low, "high": high, "dz": m / sd}
+    return {"t_t": t, "t_df": n - 1, "t_p": t_two_sided(t, n - 1), "t_ci_low": low, "t_ci_high": high, "t_dz": m / sd}
 
 
 def same_decimal(x, y):
@@ -579,205 +696,161 @@ def midranks(values):
     return ranks, ties
 
 
+def permutation_p(ranks, v):
+    """Twice the smaller tail of the sum of those ranks that are positive by chance, both with v; of at most 200."""
+    if len(ranks) > 200:
+        return NAN
+    ranks, v = [int(2 * rank) for rank in ranks], int(2 * v)  # midranks are halves
+    total = sum(ranks)
+    ways = [1] + [0] * total  # how many subsets of the ranks have each sum
+    for rank in ranks:
+        for place in range(total, rank - 1, -1):
+            ways[place] += ways[place - rank]
+    return min(1.0, 2 * sum(ways[:min(v, total - v) + 1]) / 2 ** len(ranks))
+
+
 def wilcoxon(differences):
-    """V of the signed-rank test and its p as R computes it: exact below 50 pairs without ties and zeros, else by the
-    normal distribution with a correction for continuity."""
+    """The signed-rank test; p as R computes it: exact below 50 pairs without ties and zeros, else by the normal
+    distribution with a correction for continuity."""
     used = [d for d in differences if d != 0]
     if not used:
-        return 0.0, NAN
+        return {"wilcoxon_v": 0.0, **dict.fromkeys(("wilcoxon_p", "wilcoxon_p_exact_permutation",
+                                                    "wilcoxon_rank_biserial"), NAN)}
     ranks, ties = midranks([abs(d) for d in used])
     v, n = sum(rank for rank, d in zip(ranks, used) if d > 0), len(used)
     total = n * (n + 1) / 2
-    if n < 50 and ties == 0 and n == len(differences):
-        ways = [1] + [0] * int(total)  # how many subsets of the ranks have each sum
-        for rank in range(1, n + 1):
-            for place in range(len(ways) - 1, rank - 1, -1):
-                ways[place] += ways[place - rank]
-        return v, min(1.0, 2 * sum(ways[:int(min(v, total - v)) + 1]) / 2 ** n)
-    sd = math.sqrt(n * (n + 1) * (2 * n + 1) / 24 - ties / 48)
-    return v, min(1.0, 2 * NORMAL.cdf(-max(0.0, abs(v - total / 2) - 0.5) / sd))
+    p = exact = permutation_p(ranks, v)
+    if n >= 50 or ties or n < len(differences):
+        sd = math.sqrt(n * (n + 1) * (2 * n + 1) / 24 - ties / 48)
+        p = min(1.0, 2 * NORMAL.cdf(-max(0.0, abs(v - total / 2) - 0.5) / sd))
+    return {"wilcoxon_v": v, "wilcoxon_p": p, "wilcoxon_p_exact_permutation": exact,
+            "wilcoxon_rank_biserial": (2 * v - total) / total}
 
 
-def holm(p_values):
-    """Holm's correction; what is no number stays none and is not counted."""
+def corrected(p_values):
+    """With Holm's correction, Benjamini and Hochberg's, and Bonferroni's. What is no number is not counted."""
     order = sorted((i for i, p in enumerate(p_values) if not math.isnan(p)), key=lambda i: p_values[i])
-    adjusted, largest = list(p_values), 0.0
+    found, largest, smallest = {name: list(p_values) for name in ("holm", "bh", "bonferroni")}, 0.0, 1.0
     for place, i in enumerate(order):
         largest = max(largest, (len(order) - place) * p_values[i])
-        adjusted[i] = min(1.0, largest)
-    return adjusted
+        found["holm"][i], found["bonferroni"][i] = min(1.0, largest), min(1.0, len(order) * p_values[i])
+    for place, i in reversed(list(enumerate(order, 1))):
+        found["bh"][i] = smallest = min(smallest, len(order) / place * p_values[i])
+    return found
 
 
-class Outcome:
-    """Values of an outcome by participant and condition; NaN where one is missing."""
-
-    def __init__(self, name, values):
-        self.name, self.values = name, values
-        self.conditions = []
-        for own in values.values():
-            self.conditions += [condition for condition in own if condition not in self.conditions]
-        # Where groups get different conditions, nobody but those who get them all is in tests over all conditions.
-        self.crossed = all(len(own) == len(self.conditions) for own in values.values())
-        whole = [own for own in values.values() if len(own) == len(self.conditions)]
-        self.complete = [own for own in whole if all(math.isfinite(value) for value in own.values())]
-        self.left_out = len(whole) - len(self.complete)
-        # A mean over those who have a value would pick the good ones; slopes exist for nearly everyone.
-        self.refused = (name != "slope" and self.left_out > 0) or len(self.complete) < 2 or len(self.conditions) < 2
-
-    def differences(self, a, b):
-        return [own[a] - own[b] for own in self.complete]
-
-    def of_both(self, a, b):
-        return [(own[a], own[b]) for own in self.values.values() if a in own and b in own]
-
-
-def outcome_of_thresholds(name, thresholds):
-    jnd, slope, _ = threshold_columns(thresholds[0])
-    values = {}
-    for row in thresholds:
-        if name == "slope":
-            value = row[slope]
-        elif name == "trial_time":
-            value = row["mean_trial_s"]
-        elif name not in ("jnd", "log_jnd"):
-            return None
-        else:
-            value = row[jnd] if row["status"] == "ok" else NAN
-            value = math.log(value) if name == "log_jnd" and value > 0 else value
-        values.setdefault(row["participant"], {})[row["condition"]] = value
-    return Outcome(name, values)
-
-
-def outcome_of_tracks(name, tracks):
-    values = {}
-    for row in tracks:
-        if row["track"] == "":
-            value = number(row["threshold"]) if row["status"] == "ok" else NAN
-            values.setdefault(row["participant"], {})[row["condition"]] = value
-    return Outcome(name, values)
-
-
-def outcome_of_estimates(name, estimates):
-    """Of each participant and condition the mean over the standards, of logarithms where the name says ln_."""
+def outcome_named(name, standard, estimates):
+    """None: neither an estimate nor a question that is asked for each condition. Of estimates, that at the standard, or
+    the mean over all of them, of logarithms where the name says ln_; of ratings, the mean within a session, then over
+    sessions."""
+    estimates = [row for row in estimates if standard in ("all", row["standard"])]
     column = name[len("ln_"):] if name.startswith("ln_") and name not in estimates[0] else name
-    if column not in estimates[0]:
-        return None
-    cells = {}
-    for row in estimates:
-        value = number(row[column])
-        if column != name:
-            value = math.log(value) if value > 0 else NAN
-        cells.setdefault((row["participant"], row["condition"]), []).append(value if math.isfinite(value) else NAN)
-    values = {}
-    for (participant, condition), of_standards in cells.items():
-        values.setdefault(participant, {})[condition] = mean(of_standards)
-    return Outcome(name, values)
+    rated = [row for row in read("answers.csv") if row["question"] == name and row["condition"] and row["answer"]]
+    ratings = grouped(rated, "participant", "condition")
 
+    def time(rows):
+        timed = [row for row in rows if row["trials"]]
+        return sum(row["trials"] * row["mean_trial_s"] for row in timed) / (sum(row["trials"] for row in timed) or NAN)
 
-def outcome_of_ratings(question, answers, people):
-    """Of the answers to a question that is asked for each condition: the mean within a session, then over sessions.
-    people: rows of whoever counts, with the conditions that they get."""
-    sessions = {}
-    for row in answers:
-        if row["question"] == question and row["condition"] and row["answer"]:
-            key = (row["participant"], row["condition"])
-            sessions.setdefault(key, {}).setdefault(row["session"], []).append(float(row["answer"]))
-    if not sessions:
-        return None
-    values = {}
-    for row in people:
-        own = sessions.get((row["participant"], row["condition"]), {})
-        value = mean([mean(of_session) for of_session in own.values()])
-        values.setdefault(row["participant"], {})[row["condition"]] = value
-    return Outcome(question, values)
+    def estimate(rows):
+        values = [row[column] if math.isfinite(row[column]) else NAN for row in rows]
+        return mean(values if column == name else [math.log(value) if value > 0 else NAN for value in values])
 
+    def rating(rows):
+        sessions = grouped(ratings.get((rows[0]["participant"], rows[0]["condition"]), []), "session").values()
+        return mean([mean([float(row["answer"]) for row in session]) for session in sessions])
 
-def test_of(name, pairs):
-    """p of one contrast, before any correction. None: this script has no such test (Games and Howell's and Tukey's need
-    the studentised range)."""
-    differences = [a - b for a, b in pairs]
-    if name == "holm-t":
-        return paired_t(differences)["p"]
-    if name == "wilcoxon":
-        return wilcoxon(differences)[1]
-    return None
-
-
-def finite_pairs(pairs):
-    return [pair for pair in pairs if all(map(math.isfinite, pair))]
+    value = time if name == "trial_time" else estimate if column in estimates[0] else rating if ratings else None
+    return value and outcome_by_person(name, estimates, value)
 
 
 def p_of_contrasts(outcome, contrasts, each_alone, test):
-    """The p of each contrast, corrected as registered; None where this script does not have the test."""
+    """The p of each contrast, corrected as registered; none if this script does not have the test (those of Games and
+    Howell, and of Tukey, need the studentised range)."""
+    tests = {"holm-t": lambda differences: paired_t(differences)["t_p"],
+             "wilcoxon": lambda differences: wilcoxon(differences)["wilcoxon_p"]}
+    if test not in tests:
+        return {}
     p_values = []
     for a, b in contrasts:
         both = outcome.of_both(a, b)
-        if each_alone:
-            tested = finite_pairs(both)
-            refused = (outcome.name != "slope" and len(tested) < len(both)) or len(tested) < 2
-        else:
-            tested, refused = [(own[a], own[b]) for own in outcome.complete], outcome.refused
-        p_values.append(NAN if refused else test_of(test, tested))
-    return None if None in p_values else dict(zip(contrasts, holm(p_values)))
+        differences = finite([x - y for x, y in both]) if each_alone else outcome.differences(a, b)
+        lacking = (outcome.name != "slope" and len(differences) < len(both)) or len(differences) < 2
+        p_values.append(NAN if (lacking if each_alone else outcome.refused) else tests[test](differences))
+    return dict(zip(contrasts, corrected(p_values)["holm"]))
 
 
-HIERARCHICAL = "hierarchical_log_jnd"
+HIERARCHICAL = "hierarchical_ln_jnd"
 
 
-def check_contrasts(outcome_named, source):
+def check_contrasts(outcome_of, source):
     said = read("contrasts.csv")
-    if not said:
+    separate = [row for row in said if row["outcome"] != HIERARCHICAL]
+    if not separate:
         return
-    checked = Checked("contrasts.csv", source, said, ("condition_a", "condition_b", "kind", "outcome", "unit",
-                                                      "registered", "test"), CONVENTION)
-    # Those of the hierarchical model have no separate values that they could be computed from.
-    computed = [row for row in said if row["outcome"] != HIERARCHICAL]
-    if len(computed) < len(said):
-        checked.skipped.append(HIERARCHICAL)
-    scale = computed[0]["outcome"]
-    on_scale = [row for row in computed if row["outcome"] == scale]
-    tested = outcome_named(scale)
+    of_model = [row for row in said if row["outcome"] == HIERARCHICAL]
+    scale = separate[0]["outcome"]
+    on_scale = [row for row in separate if row["outcome"] == scale]
+    tested, contrast_of = outcome_of(scale, separate[0]["standard"]), lambda row: (row["a"], row["b"])
     # Where somebody has no value in one condition, contrasts of the others are tested all the same.
     each_alone = not tested.crossed or (tested.refused and tested.left_out > 0)
     test = max(row["test"] for row in on_scale)  # empty in rows without p
-    contrasts = [(row["condition_a"], row["condition_b"]) for row in on_scale]
-    p_values = p_of_contrasts(tested, contrasts, each_alone, test) if test else None
-    for row in computed:
-        contrast = (row["condition_a"], row["condition_b"])
-        outcome = tested if row["outcome"] == scale else outcome_named(row["outcome"])
-        pairs = finite_pairs(outcome.of_both(*contrast))
-        if outcome is tested and not each_alone and outcome.name != "jnd":
-            pairs = [(own[contrast[0]], own[contrast[1]]) for own in outcome.complete]
-        n, m, sd, low, high = mean_with_interval([x - y for x, y in pairs])
-        everyone = len(tested.of_both(*contrast)) if each_alone else len(tested.complete) + tested.left_out
-        values = {"participants": everyone, "n_difference": n, "difference_mean": m, "difference_sd": sd,
-                  "difference_ci95_low": low, "difference_ci95_high": high}
-        if row["registered"] == "1" and p_values is not None:
-            values["p"] = p_values[contrast]
-        checked.compare(row, values)
+    p_values = p_of_contrasts(tested, list(map(contrast_of, on_scale)), each_alone, test)
+    if of_model:
+        p_values = corrected([number(row["p"]) for row in of_model])["holm"]
+        p_values = dict(zip(map(contrast_of, of_model), p_values))
+
+    def computed(row):
+        a, b = contrast_of(row)
+        registered = {"p_registered": p_values[a, b]} if row["registered"] == "1" and p_values else {}
+        if row in of_model:
+            return {"mean_difference": math.log(model_ratio(a, b)), **registered}
+        both = outcome_of(row["outcome"], row["standard"]).of_both(a, b)
+        differences, participants = finite([x - y for x, y in both]), len(both)
+        if row["outcome"] == scale and not each_alone:
+            differences, participants = tested.differences(a, b), len(tested.complete) + tested.left_out
+        return {"participants": participants, **mean_columns(differences, "mean_difference"),
+                "p": paired_t(differences)["t_p"], **registered}
+
+    check("contrasts", source, computed)
 
 
-def check_pairs(outcome_named, source):
+def of_condition(row, outcome):
+    own = [values[row["condition"]] for values in outcome.values.values() if row["condition"] in values]
+    within = outcome.within(row["condition"])
+    return within_limits(outcome.name, {"participants": len(own), **mean_columns(finite(own)),
+                                        "median": median_of(finite(own)), **within})
+
+
+def of_participant(row, outcome):
+    own = outcome.values[row["participant"]]
+    return {"value": own[row["condition"]], "tested": all(map(math.isfinite, own.values()))}
+
+
+def of_group(row, outcome):
+    """Of a group of participants under a condition, or of each participant's mean over all of theirs."""
+    members = {one["participant"] for one in read("estimates.csv") if one["group"] == row["group"]}
+    own = [values for who, values in outcome.values.items() if who in members]
+    values = finite([one[row["condition"]] if row["condition"] else mean(list(one.values())) for one in own])
+    found = {"participants": len(own), **mean_columns(values), "median": median_of(values)}
+    return within_limits(outcome.name, found)
+
+
+@functools.lru_cache(None)
+def pairs_of(outcome):
     """Every pair of conditions."""
-    said = read("pairs.csv")
-    if not said:
-        return
-    checked = Checked("pairs.csv", source, said, ("outcome", "condition_a", "condition_b"))
-    for name in dict.fromkeys(row["outcome"] for row in said):
-        outcome, rows = outcome_named(name), [row for row in said if row["outcome"] == name]
-        if outcome is None:
-            checked.skipped.append(name)
-            continue
-        differences = [outcome.differences(row["condition_a"], row["condition_b"]) for row in rows]
-        t = [paired_t(d) for d in differences]
-        ranks = [wilcoxon(d) for d in differences]
-        t_holm, ranks_holm = holm([one["p"] for one in t]), holm([p for _, p in ranks])
-        for i, row in enumerate(rows):
-            checked.compare(row, {"n_used": len(differences[i]), "mean_difference": mean(differences[i]),
-                                  "ci95_low": t[i]["low"], "ci95_high": t[i]["high"], "t": t[i]["t"],
-                                  "t_df": t[i]["df"], "t_p": t[i]["p"], "t_p_holm": t_holm[i], "dz": t[i]["dz"],
-                                  "wilcoxon_v": ranks[i][0], "wilcoxon_p": ranks[i][1],
-                                  "wilcoxon_p_holm": ranks_holm[i]})
+    found = {}
+    for row in read("pairs.csv"):
+        if row["outcome"] == outcome.name:
+            a, b, differences = row["a"], row["b"], outcome.differences(row["a"], row["b"])
+            t, sd = paired_t(differences), math.hypot(*[spread(outcome.column(one)) for one in (a, b)]) / math.sqrt(2)
+            found[a, b] = {"n": len(differences), "mean_difference": mean(differences), **t, **wilcoxon(differences),
+                           "t_d_av": NAN if math.isnan(t["t_t"]) else mean(differences) / sd}
+    for test in ("t_p", "wilcoxon_p"):
+        for name, p_values in corrected([one[test] for one in found.values()]).items():
+            for one, p in zip(found.values(), p_values):
+                one[f"{test}_{name}"] = p
+    return found
 
 
 def analysis_of_variance(table):
@@ -802,10 +875,14 @@ def analysis_of_variance(table):
     rest = df1 * (n - 1 - df1 * epsilon)
     huynh_feldt = 1.0 if k == 2 else NAN if n <= 2 else (n * df1 * epsilon - 2) / rest if rest > 0 else math.inf
     capped = huynh_feldt if math.isnan(huynh_feldt) else min(1.0, huynh_feldt)
-    return {"f": f, "df1": df1, "df2": df2, "p": f_upper(f, df1, df2), "epsilon_gg": epsilon,
-            "p_gg": f_upper(f, epsilon * df1, epsilon * df2), "eta2_partial": between / (between + error),
-            "eta2_generalised": between / (between + error + people), "epsilon_hf": huynh_feldt,
-            "p_hf": f_upper(f, capped * df1, capped * df2)}
+    p = lambda epsilon: f_upper(f, epsilon * df1, epsilon * df2)
+    return {"anova_f": f, "anova_df1": df1, "anova_df2": df2, "anova_p": p(1), "anova_p_gg": p(epsilon),
+            "anova_p_hf": p(capped), "anova_p_lower_bound": p(1 / df1), "anova_ss": between, "anova_ss_error": error,
+            "anova_ss_subjects": people, "epsilons_gg": epsilon, "epsilons_hf": huynh_feldt,
+            "effect_eta2_generalised": between / (between + error + people),
+            "effect_eta2_partial": between / (between + error),
+            "effect_omega2_partial": df1 * (f - 1) / (df1 * (f - 1) + n * k),
+            "effect_cohen_f": math.sqrt(between / error)}
 
 
 def friedman(table):
@@ -814,42 +891,23 @@ def friedman(table):
     for row in table:
         ranks, tied = midranks(row)
         sums, ties = [total + rank for total, rank in zip(sums, ranks)], ties + tied
-    spread = (n * k * (k + 1) * (k - 1) - ties) / (k - 1)
-    if spread <= 0:
-        return {"friedman_chi2": NAN, "friedman_p": NAN, "kendall_w": NAN}
-    chi2 = 12 * sum((total - n * (k + 1) / 2) ** 2 for total in sums) / spread
-    return {"friedman_chi2": chi2, "friedman_p": chi2_upper(chi2, k - 1), "kendall_w": chi2 / (n * (k - 1))}
+    spread_of_ranks = (n * k * (k + 1) * (k - 1) - ties) / (k - 1)
+    if spread_of_ranks <= 0:
+        return dict.fromkeys(("friedman_chi2", "friedman_p", "friedman_kendall_w", "friedman_f_iman_davenport",
+                              "friedman_p_iman_davenport"), NAN)
+    chi2 = 12 * sum((total - n * (k + 1) / 2) ** 2 for total in sums) / spread_of_ranks
+    rest = n * (k - 1) - chi2
+    f = (n - 1) * chi2 / rest if rest > 1e-12 * n * k else math.inf
+    return {"friedman_chi2": chi2, "friedman_df": k - 1, "friedman_p": chi2_upper(chi2, k - 1),
+            "friedman_kendall_w": chi2 / (n * (k - 1)), "friedman_f_iman_davenport": f,
+            "friedman_p_iman_davenport": f_upper(f, k - 1, (k - 1) * (n - 1))}
 
 
-def check_tests(outcome_named, source):
-    said = read("tests.csv")
-    if not said:
-        return
-    checked = Checked("tests.csv", source, said, ("outcome", "unit", "registered"))
-    for row in said:
-        outcome = outcome_named(row["outcome"])
-        if outcome is None:
-            checked.skipped.append(row["outcome"])
-            continue
-        table = [[own[condition] for condition in outcome.conditions] for own in outcome.complete]
-        checked.compare(row, {"n_used": len(table), "participants": len(table) + outcome.left_out, **friedman(table),
-                              **analysis_of_variance(table)})
-
-
-def check_groups(outcome_named, groups, source):
-    """Groups of participants: means under each condition, and of each participant's mean over all of theirs."""
-    said = read("groups.csv")
-    if not said:
-        return
-    checked = Checked("groups.csv", source, said, ("group", "condition", "kind", "outcome", "unit"))
-    for row in said:
-        outcome = outcome_named(row["outcome"])
-        own = [values for participant, values in outcome.values.items() if groups.get(participant) == row["group"]]
-        if row["condition"]:
-            values = [one[row["condition"]] for one in own]
-        else:
-            values = [mean(list(one.values())) if all(map(math.isfinite, one.values())) else NAN for one in own]
-        checked.compare(row, {"participants": len(own), **summary(values)})
+def of_tests(row, outcome):
+    table = outcome.complete
+    refused = outcome.refused if row["registered"] == "1" else outcome.too_few
+    return {"n": len(table), "participants": len(table) + outcome.left_out, "left_out": outcome.left_out,
+            **({} if refused else {**analysis_of_variance(table), **friedman(table)})}
 
 
 # --- The hierarchical model ------------------------------------------------------------------------------------------
@@ -871,12 +929,11 @@ def answers_by_level(observer, by_standard):
             tally[:] = tally[0] + positive, tally[1] + negative
 
     if "cells.csv" in LISTED:
-        for cell in cells_of(trials, read("intervals.csv"), read("cells.csv")):
+        for cell in cells():
             equal = -cell["x"] if observer == "independent" else 0.0  # the level of equal stimuli
             add(cell, cell["x"], cell["hits"], cell["n_diff"] - cell["hits"])
             add(cell, equal, cell["false_alarms"], cell["n_same"] - cell["false_alarms"])
         return found
-    stimuli = lambda row: [float(row[column]) for column in row if column.startswith("stimulus_")]
     standard = lambda row: float(row[suffixed(row, "standard_")])
     greater = all((row["target"] in FIRST) == (stimuli(row)[0] > stimuli(row)[1])
                   for row in trials if observer == "choice" and row["target"])  # whether the greater is to be chosen
@@ -961,38 +1018,56 @@ def marginals(people, places, rates, fineness):
     return totals
 
 
+def model_ratio(a, b, standard=None):
+    """JND of a / JND of b, at a standard or the first; NaN where one has none."""
+    jnds = [next(number(row["jnd"]) for row in read("hierarchical.csv")
+                 if row["condition"] == condition and standard in (None, row["standard"])) for condition in (a, b)]
+    return jnds[0] / jnds[1] if all(0 < jnd < math.inf for jnd in jnds) else NAN
+
+
+def of_estimates(row):
+    """What follows from JND and bias."""
+    standard, found = number(row["standard_value"]), {}
+    if row["weber"]:
+        found["weber"] = float(row["jnd"]) / standard
+    if row.get("pse"):
+        found["pse"] = standard + float(row["bias"])
+    return found
+
+
 def check_hierarchical():
     """ln L at the exported estimates; and that it is a maximum: no small step of one of them raises it."""
     said = read("hierarchical.csv")
+    checked = check("hierarchical", "the trials, at its own estimates", of_estimates)
+    check("hierarchical_ratios", "hierarchical.csv",
+          lambda row: {"ratio": model_ratio(row["a"], row["b"], row["standard"])})
     if not said:
         return
-    checked = Checked("hierarchical.csv", "the trials, at its own estimates", said, ("condition", "standard"))
     first, used = said[0], [row for row in said if row["status"] not in NOT_IN_MODEL]
     reasons = {f"the status of {row['condition']} is {row['status']}": row["status"] != "ok" for row in used}
-    reasons.update({"levels were pooled": first["levels"], "exact is 0": first["exact"] == "0",
+    reasons.update({"levels were pooled": first["levels_found"], "exact is 0": first["exact"] == "0",
                     "no condition is in it": not used, "trials.csv is not in this folder": "trials.csv" not in LISTED})
     if any(reasons.values()):
-        checked.open = []
         checked.notes.append("not computed: the model, because " + ", ".join(filter(reasons.get, reasons)))
         return
-    choice, several = first["observer"] == "choice", len({row.get("standard") for row in said}) > 1
-    jnd, criterion = suffixed(first, "jnd_"), suffixed(first, "bias_" if choice else "criterion")
-    checked.open = [column for column in first if "ci95" in column or column.startswith(("weber", "pse", "equal"))]
-    units = [float(row[jnd]) / float(row["weber"]) if several and row["weber"] else 1.0 for row in used]  # standards
-    s = [float(row[jnd]) / float(row.get("jnd_of_s", 1)) / unit for row, unit in zip(used, units)]
+    choice, several = first["observer"] == "choice", len({row["standard"] for row in said}) > 1
+    criterion, of_criterion = ("bias", "pse") if choice else ("model_criterion", "criterion")
+    shares = several and all(number(row["standard_value"]) > 0 for row in said)  # levels are shares of the standard
+    units = [float(row["standard_value"]) if shares else 1.0 for row in used]
+    s = [float(row["jnd"]) / float(row.get("jnd_of_s", 1)) / unit for row, unit in zip(used, units)]
     scale = min(s) if choice else 1.0  # so that criteria have the unit 1
-    place, steps, people, names, by_level = {}, [], {}, [], answers_by_level(first["observer"], "standard" in first)
+    place, steps, people, names, by_level = {}, [], {}, [], answers_by_level(first["observer"], several)
     for row, unit, own_s in zip(used, units, s):
-        where = (row["condition"], row.get("standard", ""))
-        c = ", ".join(where) if where[1] else where[0]
+        where = (row["condition"], row["standard"])
+        c = ", ".join(where) if several else where[0]
         place["mu of " + c] = math.log(own_s / scale)
         place["kappa of " + c] = float(row[criterion] or 0) / (unit * scale if choice else 1)  # empty: taken as 0
         names.append(c)
         free = ("mu", "kappa") if row[criterion] else ("mu",)
         steps += [(f"{name} of {c}", size) for name in free for size in (-STEP, STEP)]
-        for who, levels in by_level[where].items():
+        for who, levels in by_level[where[0], where[1] if several else ""].items():
             people.setdefault(who, {})[c] = {level / unit / scale: tally for level, tally in levels.items()}
-    spreads = [("tu", "persons", first), ("tw", "pse" if choice else "criterion", first)]
+    spreads = [("tu", "persons", first), ("tw", of_criterion, first)]
     own_tv = len({row["sd_persons_by_condition"] for row in used}) > 1
     for c, row in zip(names, used) if own_tv else [(None, first)]:
         spreads.append((f"tv of {c}" if own_tv else "tv", "persons_by_condition", row))
@@ -1010,7 +1085,11 @@ def check_hierarchical():
         return
     ln_l, *others = at([place] + [{**place, name: place[name] + size} for name, size in steps], fineness)
     rises = [other - ln_l for other in others]
+    for row, c in zip(used, names):
+        checked.compare(row, {"participants": len(people), "n": sum(c in own for own in people.values())})
     checked.compared += 1 + len(rises)
+    at_all = ("jnd", "log_likelihood", criterion, "sd_persons", "sd_persons_by_condition", "sd_" + of_criterion)
+    checked.open = [column for column in checked.open if column not in at_all]
     checked.notes.append(f"ln L is {ln_l:.5f}; {len(steps)} small steps of the estimates add {max(rises):.5f} at most "
                          f"(tolerance {EXACT})")
     if not abs(ln_l - number(first["log_likelihood"])) < EXACT:
@@ -1020,64 +1099,26 @@ def check_hierarchical():
         if rise > EXACT:
             checked.wrong.append(f"hierarchical.csv, {name}: a step of {size:.2g} adds {rise:.5f} to ln L")
 
-
 # --- All of it -------------------------------------------------------------------------------------------------------
 
-# What every row says of the analysis: read, not computed.
-CONVENTION = ("difference_source", "model", "correction", "method", "protocol_sha256", "kind", "group")
-CLOSED = ("least_squares", "weighted", "inverse_mean_slope", "mean_of_ratios")
-
-
-def check_same_different():
-    """From the trials upwards. Returns the outcomes by name, and what they rest on."""
-    trials, said_cells, said = read("trials.csv"), read("cells.csv"), read("thresholds.csv")
-    cells = cells_of(trials, read("intervals.csv"), said_cells)
-    checked = Checked("cells.csv", "trials.csv and intervals.csv", said_cells, ("participant", "condition", "series"),
-                      CONVENTION)
-    for row, cell in zip(said_cells, cells):
-        checked.compare(row, cell)
-    if said[0]["method"] in CLOSED:
-        source = "trials.csv"
-        thresholds = thresholds_of(cells, trials, said)
-        checked = Checked("thresholds.csv", source, said, ("participant", "condition"), CONVENTION)
-        checked.aside.append(suffixed(said[0], "reference_"))
-        for row, threshold in zip(said, thresholds):
-            checked.compare(row, threshold)
-    else:
-        source = f"the participants' JNDs in thresholds.csv (method {said[0]['method']})"
-        thresholds = thresholds_as_said(said)
-    check_jnd_group(thresholds, source)
-    return lambda name: outcome_of_thresholds(name, thresholds), source, said
+# Files that are no results.
+RECORDS = ("participants.csv", "sessions.csv", "trials.csv", "intervals.csv", "voided.csv", "answers.csv", "log.csv",
+           "dictionary.csv")
 
 
 def main():
-    tracks, estimates = read("tracks.csv"), read("estimates.csv")
-    if "thresholds.csv" in LISTED and "trials.csv" in LISTED:
-        outcome_named, source, people = check_same_different()
-    elif read("thresholds.csv"):
-        source = "the participants' JNDs in thresholds.csv (trials.csv is not in this folder)"
-        people = read("thresholds.csv")
-        thresholds = thresholds_as_said(people)
-        check_jnd_group(thresholds, source)
-        outcome_named = lambda name: outcome_of_thresholds(name, thresholds)
-    elif tracks:
-        source, people = "the participants' thresholds in tracks.csv", tracks
-        check_threshold_group(tracks, source)
-        outcome_named = lambda name: outcome_of_tracks(name, tracks) if name == "threshold" else None
-    elif estimates:
-        source, people = "the participants' estimates in estimates.csv", estimates
-        check_estimate_group(estimates, source)
-        outcome_named = lambda name: outcome_of_estimates(name, estimates)
-    else:
-        raise Trouble("there is nothing to compute: this folder has no thresholds, tracks or estimates of participants")
-    groups = {row["participant"]: row.get("group", "") for row in read("participants.csv")}
-    check_contrasts(outcome_named, source)
-    answers = read("answers.csv")
-    of_any = lambda name: outcome_named(name) or outcome_of_ratings(name, answers, people)
-    with_ratings = source + ("; ratings from answers.csv" if answers else "")
-    check_pairs(of_any, with_ratings)
-    check_tests(of_any, with_ratings)
-    check_groups(outcome_named, groups, source)
+    if read("trials.csv"):
+        of_rows = iter(cells())
+        check("cells", "trials.csv and intervals.csv", lambda row: next(of_rows))
+    check("tracks", "the levels of its reversals", of_track)
+    estimates, source = check_estimates()
+    check_group(estimates, source)
+    outcome_of = functools.lru_cache(None)(lambda name, standard: outcome_named(name, standard, estimates))
+    check_contrasts(outcome_of, source)
+    with_ratings = source + ("; ratings from answers.csv" if read("answers.csv") else "")
+    for block, computed in {"values": of_participant, "conditions": of_condition, "tests": of_tests, "groups": of_group,
+                            "pairs": lambda row, outcome: pairs_of(outcome)[row["a"], row["b"]]}.items():
+        check(block, with_ratings, computed, outcome_of)
     check_hierarchical()
     for checked in Checked.all:
         checked.report()
@@ -1085,7 +1126,9 @@ def main():
     changed = [name for name, read in ROWS_READ.items() if read != ROWS.get(name)]
     if changed:
         print("  DIFFERS: the number of rows in " + ", ".join(changed))
-    print("not computed here: intervals of single estimates (bootstrap or profile likelihood; methods.md says which)")
+    left = sorted(name for name in ROWS if "/" not in name and name not in ROWS_READ and name not in RECORDS)
+    if left:
+        print("files not computed: " + ", ".join(left))
     wrong = sum(len(checked.wrong) for checked in Checked.all)
     compared = sum(checked.compared for checked in Checked.all)
     print(f"{compared} values compared, {wrong} differ by more than {TOLERANCE}")

@@ -1,9 +1,6 @@
-// A number or word of the results, said once: what it is called, what it means, how many digits it deserves and where
-// it comes from. JSON, the columns of CSV files, their dictionary and the tables for people are all written from it, so
-// that none of them can say anything else than the others.
-//
-// A block of results (cells, group, ...) is a list of fields in the order of its CSV columns; JSON and tables name the
-// fields that they show, in their own order.
+// A number or word of the results, said once: what it is called, what it means and where it comes from. JSON, the columns
+// of CSV files, their dictionary and the tables for people are all written from it (block.h), so that none of them can say
+// anything else than the others.
 #pragma once
 
 #include <algorithm>
@@ -23,12 +20,14 @@
 
 namespace jnd {
 
-// Nothing: null in JSON, empty elsewhere. A double may be NaN (undefined) or infinite.
-using FieldValue = std::variant<std::monostate, bool, std::int64_t, double, std::string>;
+// Nothing: null in JSON, empty elsewhere. A double may be NaN (undefined) or infinite. Several numbers are a list in JSON, and
+// stand in one cell elsewhere, separated by blanks.
+using FieldValue = std::variant<std::monostate, bool, std::int64_t, double, std::string, std::vector<double>>;
 
 template <typename T>
 FieldValue field_value(const T& value) {
-  if constexpr (std::is_same_v<T, bool> || std::is_floating_point_v<T> || std::is_same_v<T, FieldValue>)
+  if constexpr (std::is_same_v<T, bool> || std::is_floating_point_v<T> || std::is_same_v<T, FieldValue> ||
+                std::is_same_v<T, std::vector<double>>)
     return value;
   else if constexpr (std::is_enum_v<T>)
     return std::string(to_string(value));
@@ -46,7 +45,8 @@ constexpr CellType cell_type() {
     return CellType::flag;
   else if constexpr (std::is_floating_point_v<T>)
     return CellType::number;
-  else if constexpr (std::is_enum_v<T> || std::is_same_v<T, FieldValue> || std::is_convertible_v<T, std::string_view>)
+  else if constexpr (std::is_enum_v<T> || std::is_same_v<T, FieldValue> || std::is_same_v<T, std::vector<double>> ||
+                     std::is_convertible_v<T, std::string_view>)
     return CellType::text;
   else if constexpr (std::is_integral_v<T>)
     return CellType::integer;
@@ -67,25 +67,25 @@ decltype(auto) read(const Get& get, const Row& row) {
     return get(row);
 }
 
-// How a table shows a number.
-enum class Shown {
-  number,   // with the field's digits
-  percent,  // of a fraction
-  p_value,
-  compact  // four digits that count, for numbers of any size
-};
+// How a table shows a number: with how many digits follows from its size and its interval (number_text.h); given: all that it
+// was given with, as a level.
+enum class Shown { number, given, percent, p_value };
+
+// Where a field stands: in files and JSON, or in tables for people alone, as what is told there in other words.
+enum class Place { everywhere, table };
 
 // What need not be said of every field. Its texts are read while the field is made, so temporary ones may be given there.
 struct FieldTraits {
-  std::optional<std::string_view> column{};  // of CSV files, where it is not the key; "" where they leave the field out
   std::string_view unit{};
   std::string_view levels{};                // of texts and flags: the values that occur, separated by blanks
   std::optional<std::string_view> title{};  // above a column of a table, where it is not the key
-  int digits = 3;                           // of numbers in a table
   Shown shown = Shown::number;
   double factor = 1;  // of the number in a table: slopes are read per 100 N/m
-  // Of CSV files: the type of the cells, where the value's own does not tell; whether a cell may hold several levels;
-  // what the column tells of a blinded study.
+  double limit = 0;   // of the number: what lies beyond is nothing but "> limit_text"; 0: none
+  std::string_view limit_text{};
+  Place place = Place::everywhere;
+  // Of files: the type of the cells, where the value's own does not tell; whether a cell may hold several levels; what the
+  // column tells of a blinded study.
   std::optional<CellType> type{};
   bool several = false;
   Reveals reveals = Reveals::plan;
@@ -100,12 +100,15 @@ class FieldCore {
   FieldCore& operator=(FieldCore&& other) noexcept;
   ~FieldCore();
 
-  std::string key;  // dots lead into objects of JSON
-  std::string column, title, meaning, unit, levels;
+  // row: of the type that the field was made for.
+  FieldValue of(const void* row) const { return getter->of(row); }
+
+  std::string key;  // dots lead into objects of JSON; a column has "_" in their place
+  std::string column, title, meaning, unit, levels, limit_text;
   bool number;
-  int digits;
   Shown shown;
-  double factor;
+  Place place;
+  double factor, limit;
   CellType type;
   bool several;
   Reveals reveals;
@@ -142,22 +145,8 @@ class Field : public FieldCore {
   };
 };
 
-// What JSON and tables have and CSV files have not.
-template <typename Row, typename Get>
-Field<Row> beside(std::string_view key, Get get, FieldTraits traits = {}) {
-  traits.column = "";
-  return {key, "", get, traits};
-}
-
 template <typename Row>
 using Fields = std::vector<Field<Row>>;
-
-template <typename Row>
-const Field<Row>& field_of(const Fields<Row>& fields, std::string_view key) {
-  const auto found = std::find_if(fields.begin(), fields.end(), [&](const auto& field) { return field.key == key; });
-  if (found == fields.end()) throw std::logic_error("there is no field " + std::string(key));
-  return *found;
-}
 
 std::string csv_value(const FieldValue& value);
 
@@ -165,7 +154,7 @@ template <typename Row>
 std::vector<CsvColumn<Row>> csv_columns(const Fields<Row>& fields) {
   std::vector<CsvColumn<Row>> columns;
   for (const Field<Row>& field : fields)
-    if (!field.column.empty())
+    if (field.place == Place::everywhere)
       columns.push_back({field.column, field.meaning, field.unit, field.levels,
                          [field](const Row& row) { return csv_value(field.of(row)); }, field.reveals, field.type,
                          field.several});

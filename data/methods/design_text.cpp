@@ -40,16 +40,16 @@ std::string task_words(const Protocol& protocol, const StudyResults& results) {
   std::vector<std::string> conditions;
   for (const Condition& one : protocol.conditions)
     conditions.push_back(fmt::format("{} ({})", markdown_text(one.name), markdown_text(one.label)));
-  const auto participants = static_cast<std::size_t>(attendance_of(results).participants);
+  const auto participants = static_cast<std::size_t>(results.attendance.participants);
   if (!task_of(protocol.task.kind).has_pairs())
     return fmt::format("{} {} participant{} did the task \"{}\" ({}) with {} under {} condition{}: {}. ", participants,
-                       to_string(attendance_of(results).kind), plural(participants), to_string(protocol.task.kind),
+                       to_string(results.attendance.kind), plural(participants), to_string(protocol.task.kind),
                        task_of(protocol.task.kind).summary(), markdown_text(protocol.stimulus.quantity),
                        conditions.size(), plural(conditions.size()), list_of(conditions));
   return fmt::format(
       "{} {} participant{} judged whether two stimuli were the same or different in stiffness (same-different, two "
       "intervals) under {} feedback condition{}: {}. ",
-      participants, to_string(attendance_of(results).kind), plural(participants), conditions.size(),
+      participants, to_string(results.attendance.kind), plural(participants), conditions.size(),
       plural(conditions.size()), list_of(conditions));
 }
 
@@ -281,8 +281,8 @@ std::string exploration_design(const Protocol& protocol, const StudyResults& res
       "lasted {:g} s, divided equally among the objects. The order of conditions and objects was dealt per participant "
       "from the study's seed with counter-based random streams ({}, Salmon et al. 2011). Objects had a "
       "stiffness of {:g} {}. Time in which the session was paused does not count.\n",
-      attendance_of(results).participants, to_string(attendance_of(results).kind),
-      attendance_of(results).participants == 1 ? "" : "s", objects, plural(objects), list_of(names),
+      results.attendance.participants, to_string(results.attendance.kind),
+      results.attendance.participants == 1 ? "" : "s", objects, plural(objects), list_of(names),
       protocol.conditions.size(), plural(protocol.conditions.size()), list_of(conditions), explore.duration_s,
       kGeneratorName, protocol.stimulus.reference, to_string(protocol.stimulus.unit));
 }

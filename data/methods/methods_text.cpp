@@ -12,6 +12,7 @@
 #include "data/study/blinding.h"
 #include "protocols/planning/allotment.h"
 #include "protocols/planning/track_threshold.h"
+#include "protocols/tasks/level_source.h"
 #include "protocols/tasks/task.h"
 #include "protocols/version.h"
 
@@ -19,7 +20,7 @@ namespace jnd {
 
 namespace {
 
-std::string correction_words(const StudyAnalysis& analysis) {
+std::string correction_words(const PairMethod& analysis) {
   if (is_maximum_likelihood(analysis.method.method)) return "The fit is to the counts, without any correction. ";
   switch (analysis.method.correction) {
     case Correction::loglinear:
@@ -42,7 +43,7 @@ std::string dprime_words(const std::string& model) {
   return "d' = z(H) - z(F), with H the rate of \"different\" answers to different pairs and F to equal pairs. ";
 }
 
-std::string slope_words(const StudyAnalysis& analysis) {
+std::string slope_words(const PairMethod& analysis) {
   switch (analysis.method.method) {
     case JndMethod::least_squares:
     case JndMethod::least_squares_independent:
@@ -73,7 +74,7 @@ std::string slope_words(const StudyAnalysis& analysis) {
   return "";
 }
 
-std::string interval_words(const StudyAnalysis& analysis) {
+std::string interval_words(const PairMethod& analysis) {
   if (is_maximum_likelihood(analysis.method.method))
     return " Intervals of single JNDs are profile-likelihood intervals.";
   if (analysis.method.method == JndMethod::least_squares && analysis.intervals)
@@ -126,7 +127,7 @@ std::string track_sentence(const TaskResults& results, const Protocol& protocol)
              : std::string();
 }
 
-std::string estimate_paragraph(const Protocol& protocol, const StudyAnalysis& analysis) {
+std::string estimate_paragraph(const Protocol& protocol, const PairMethod& analysis) {
   return fmt::format(
       "{}{}{}; JND = 1/m, the difference at d' = 1, and the Weber fraction is JND / {:g} {}. Differences are the {} "
       "ones.{} Estimates with m <= 1e-9 have no JND (status no_sensitivity), nor have those whose m is infinite "
@@ -193,7 +194,7 @@ std::string observer_formula(const StudyHierarchical& model, const Protocol& pro
                        model.pse_at_standard ? "as all comparisons lie on one side of it"
                                              : "k the sum of a value of the condition and one of the participant");
   }
-  if (!task_of(protocol.task.kind).has_own_results())
+  if (!task_of(protocol.task.kind).has_pairs())
     return "P(\"yes\") = Phi(x/s - k) with the criterion k, where x is the distance of the signal from the noise, s a "
            "participant's threshold in a condition";
   return fmt::format("{}, where x is the stiffness difference, s a participant's JND in a condition",
@@ -216,9 +217,9 @@ std::string hierarchical_paragraph(const Protocol& protocol, const StudyResults&
       "likelihood (Venzon and Moolgavkar 1988; alpha = {:g}). {}\n",
       contrasts == 1 ? "" : fmt::format("{} ", contrasts), plural(contrasts),
       contrasts == 1 ? "is a ratio" : "are ratios", model.participants, observer_formula(model, protocol),
-      protocol.design.procedure
-          ? "The levels that the procedure chose count like given ones, as they depend on nothing but earlier answers. "
-          : "",
+      levels_given(protocol)
+          ? ""
+          : "The levels that the procedure chose count like given ones, as they depend on nothing but earlier answers. ",
       contrasts == 1 ? "" : " with Holm's correction over the contrasts (Holm 1979)", protocol.analysis.tests.alpha,
       hierarchical_assumptions(model));
 }
@@ -292,7 +293,7 @@ std::string group_tests(const Protocol& protocol, const StudyResults& results) {
 }
 
 std::string test_paragraph(const Protocol& protocol, const StudyResults& results) {
-  const OutcomeComparison& outcome = results.comparisons.front();
+  const OutcomeComparison& outcome = *results.registered();
   const std::size_t conditions = protocol.conditions.size();
   if (conditions < 2) return "There was one condition, and nothing to compare it with.\n";
   const std::string tests = registered_tests(protocol);
@@ -343,13 +344,14 @@ std::string reproduction(const Study& study, const Protocol& protocol, const Stu
       "of their chains:\n",
       kVersion, markdown_text(protocol.name), protocol.sha256,
       seed_text(study, protocol, "sealed while the study is blinded"), chain_line(results.chains),
-      attendance_of(results).heads.size());
-  for (const SessionHead& head : attendance_of(results).heads)
-    text += fmt::format("  - {} `{}`{}\n", head.participant, head.hash, head.closed ? "" : " (not finished)");
+      results.attendance.heads.size());
+  for (const SessionHead& head : results.attendance.heads)
+    text += fmt::format("  - {} `{}`{}\n", head.participant, head.hash.empty() ? "sealed" : head.hash,
+                        head.closed ? "" : " (not finished)");
   return text;
 }
 
-std::string questionnaire_tests(const StudyResults& results, const ExplorationResults& exploration) {
+std::string questionnaire_tests(const StudyResults& results) {
   const QuestionnaireResults& all = results.questionnaire;
   const auto paired = static_cast<std::size_t>(
       std::count_if(all.items.begin(), all.items.end(), [](const QuestionnaireItem& item) { return item.paired; }));
@@ -372,57 +374,47 @@ std::string questionnaire_tests(const StudyResults& results, const ExplorationRe
         "\n{} item{} {} answered once. They have no pair and no test: mean, standard deviation, and "
         "the median with its distribution-free interval (Conover 1999, section 3.2).\n",
         once, plural(once), once == 1 ? "was" : "were");
-  if (!exploration.choices.empty())
+  if (!results.exploration.choices.empty())
     text += "\nChoices are counts, with exact binomial intervals of each share (Clopper and Pearson 1934).\n";
   return text;
 }
 
-// What depends on the kind of study: design, estimates and tests.
-struct Sections {
-  const Protocol& protocol;
-  const StudyResults& results;
+std::string estimates(const Protocol& protocol, const StudyResults& results) {
+  const Task& task = task_of(protocol.task.kind);
+  if (task.evidence(protocol) == Evidence::tracks) return adaptive_paragraph(protocol);
+  if (task_of(protocol.task.kind).evidence(protocol) == Evidence::counts)
+    return estimate_paragraph(protocol, results.task.pairs);
+  return fmt::format("{}{}\n", task.methods(protocol), track_sentence(results.task, protocol));
+}
 
-  std::string operator()(const ConstantResults& measured) const {
-    return with_estimates(estimate_paragraph(protocol, measured.analysis),
-                          exclusion_paragraph(protocol, measured.analysis.exclusions));
-  }
-  std::string operator()(const AdaptiveResults&) const {
-    return with_estimates(
-        adaptive_paragraph(protocol),
-        "No answered trial was excluded: an excluded answer would have moved the levels all the same.\n");
-  }
-  std::string operator()(const MeasuredTask& measured) const {
-    return with_estimates(
-        fmt::format("{}{}\n", task_of(protocol.task.kind).methods(protocol), track_sentence(measured.task, protocol)),
-        exclusion_paragraph(protocol, measured.task.exclusions));
-  }
-  std::string operator()(const ExplorationResults& measured) const {
-    return "## Design\n\n" + exploration_design(protocol, results) + "\n## Tests\n\n" +
-           questionnaire_tests(results, measured);
-  }
+std::string exclusions(const Protocol& protocol, const StudyResults& results) {
+  return levels_given(protocol)
+             ? exclusion_paragraph(protocol, results.task.exclusions)
+             : "No answered trial was excluded: an excluded answer would have moved the levels all the same.\n";
+}
 
- private:
-  std::string with_estimates(const std::string& estimates, const std::string& exclusions) const {
-    return fmt::format("## Design\n\n{}\n## Estimates\n\n{}\n{}\n## Tests\n\n{}{}{}",
-                       design_paragraph(protocol, results), estimates, exclusions, test_paragraph(protocol, results),
-                       hierarchical_paragraph(protocol, results), group_tests(protocol, results));
-  }
-};
+// Design, estimates and tests.
+std::string sections(const Protocol& protocol, const StudyResults& results) {
+  if (results.registered() == nullptr)
+    return "## Design\n\n" + exploration_design(protocol, results) + "\n## Tests\n\n" + questionnaire_tests(results);
+  return fmt::format("## Design\n\n{}\n## Estimates\n\n{}\n{}\n## Tests\n\n{}{}{}", design_paragraph(protocol, results),
+                     estimates(protocol, results), exclusions(protocol, results), test_paragraph(protocol, results),
+                     hierarchical_paragraph(protocol, results), group_tests(protocol, results));
+}
 
 }  // namespace
 
 std::string methods_text(const Study& study, const Protocol& protocol, const StudyResults& results) {
   std::string text = fmt::format("# Methods: {}\n\n", markdown_text(protocol.title));
-  if (attendance_of(results).kind != SessionKind::real)
+  if (results.attendance.kind != SessionKind::real)
     text += fmt::format("**These are {} data, not those of a study with participants.**\n\n",
-                        to_string(attendance_of(results).kind));
+                        to_string(results.attendance.kind));
   if (!protocol.source.citation.empty())
     text += fmt::format("After: {}{}\n\n", markdown_text(protocol.source.citation),
                         protocol.source.doi.empty() ? "" : " https://doi.org/" + markdown_text(protocol.source.doi));
-  text += std::visit(Sections{protocol, results}, results.measured);
+  text += sections(protocol, results);
   add_list(text, "Deviations from the registered plan", results.deviations, "None.");
-  if (!std::holds_alternative<ExplorationResults>(results.measured))
-    add_list(text, "Cautions", results.cautions, "None.");
+  if (results.registered() != nullptr) add_list(text, "Cautions", results.cautions, "None.");
   text += reproduction(study, protocol, results);
   return text + references_of(text);
 }

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "analysis/numerics/special_values.h"
+#include "data/fields/number_text.h"
 #include "data/methods/markdown_text.h"
 #include "protocols/planning/allotment.h"
 
@@ -24,7 +25,7 @@ std::string number_word(std::size_t n) {
 
 std::string p_equals(double p, double alpha) {
   const std::string words = p_in_words(p, alpha);
-  return words.starts_with("below") ? "p " + words : "p = " + words;
+  return words.front() == '<' || words.front() == '>' ? "p " + words : "p = " + words;
 }
 
 // "p = 0.14", "p from 0.14 to 0.48"; ps: not empty.
@@ -39,7 +40,7 @@ std::string range_of(const std::vector<double>& ps, double alpha) {
 std::string found_words(const ContrastRow& row, const OutcomeComparison& tested, const Protocol& protocol) {
   const std::string& a = condition_name(protocol, row.a);
   const std::string& b = condition_name(protocol, row.b);
-  const std::string p = p_equals(row.p, protocol.analysis.tests.alpha);
+  const std::string p = p_equals(row.p_registered, protocol.analysis.tests.alpha);
   const bool hierarchical = row.outcome == kHierarchicalScale;
   const bool more = row.difference.mean > 0;
   if (hierarchical && !std::isnan(row.difference.mean))
@@ -49,9 +50,9 @@ std::string found_words(const ContrastRow& row, const OutcomeComparison& tested,
   if (hierarchical || protocol.analysis.tests.post_hoc == PostHoc::wilcoxon)
     return fmt::format("{} and {} differ ({}, {})", a, b,
                        hierarchical ? "likelihood ratio in the hierarchical model" : tested.title, p);
-  if (protocol.task.kind != TaskKind::same_different)
+  if (!task_of(protocol.task.kind).has_pairs())
     return fmt::format("the mean {} is {} in {} than in {} ({})", tested.title, more ? "larger" : "smaller", a, b, p);
-  const bool finer = more == (tested.outcome == to_string(Outcome::slope));
+  const bool finer = more == tested.may_lack;  // a steeper slope, a smaller JND
   return fmt::format("discrimination is finer in {} than in {} ({}, {})", finer ? a : b, finer ? b : a, tested.title,
                      p);
 }
@@ -71,11 +72,11 @@ std::string contrasts_words(const std::vector<ContrastRow>& rows, const OutcomeC
   for (const ContrastRow& row : rows) {
     if (!row.registered) continue;
     ++registered;
-    if (std::isnan(row.p)) continue;
-    if (row.p < alpha)
+    if (std::isnan(row.p_registered)) continue;
+    if (row.p_registered < alpha)
       significant.push_back(&row);
     else
-      others.push_back(row.p);
+      others.push_back(row.p_registered);
   }
   if (registered == 0) return {};
   const std::size_t untested = registered - significant.size() - others.size();
@@ -166,11 +167,10 @@ std::string groups_words(const StudyResults& results, const Protocol& protocol) 
 // How many of the other models and methods decide every registered test alike.
 std::string methods_words(const StudyResults& results, const Protocol& protocol) {
   if (protocol.analysis.hierarchical) return {};  // they test separate values, and not what is registered
-  const auto* constant = std::get_if<ConstantResults>(&results.measured);
-  if (constant == nullptr || constant->sensitivity.empty() || !constant->sensitivity.front().refused.empty()) return {};
-  const SensitivityRow& registered = constant->sensitivity.front();
+  if (results.sensitivity.empty() || !results.sensitivity.front().refused.empty()) return {};
+  const SensitivityRow& registered = results.sensitivity.front();
   std::size_t tested = 0, alike = 0, of_fewer = 0;
-  for (const SensitivityRow& row : constant->sensitivity) {
+  for (const SensitivityRow& row : results.sensitivity) {
     if (row.registered || !row.refused.empty()) continue;
     ++tested;
     alike += row.same_conclusion ? 1 : 0;
@@ -201,22 +201,24 @@ std::string ratings_words(const QuestionnaireResults& ratings) {
 }  // namespace
 
 std::string p_in_words(double p, double alpha) {
-  constexpr double kSmall = 1e-4;
-  if (p < kSmall && alpha >= kSmall) return "below 0.0001";
-  for (int digits = 2; digits < 17; ++digits) {
-    std::string text = fmt::format("{:.{}g}", p, digits);
-    if ((std::strtod(text.c_str(), nullptr) < alpha) == (p < alpha)) return text;
+  std::string text = p_value_text(p);
+  constexpr double kShown = 0.001;  // the least that is told
+  if (p < kShown && alpha >= kShown) return text;
+  const auto without_zero = [](const std::string& of) { return of.starts_with("0.") ? of.substr(1) : of; };
+  for (int digits = 3; digits < 17; ++digits) {
+    const std::string exact = fmt::format("{:.{}f}", p, digits);
+    const double read = std::strtod(exact.c_str(), nullptr);
+    if (read > 0 && (read < alpha) == (p < alpha)) return digits == 3 ? text : without_zero(exact);
   }
   return fmt::format("{}", p);
 }
 
 std::string verdict_text(const StudyResults& results, const Protocol& protocol) {
-  if (attendance_of(results).participants == 0) return {};
-  if (std::holds_alternative<ExplorationResults>(results.measured)) return ratings_words(results.questionnaire);
-  if (results.comparisons.empty()) return {};
-  const OutcomeComparison& tested = results.comparisons.front();
-  std::string text = contrasts_words(contrasts_of(results, protocol), tested, protocol) +
-                     omnibus_words(tested, protocol) + groups_words(results, protocol);
+  if (results.attendance.participants == 0) return {};
+  const OutcomeComparison* const tested = results.registered();
+  if (tested == nullptr) return ratings_words(results.questionnaire);
+  std::string text = contrasts_words(results.contrasts, *tested, protocol) + omnibus_words(*tested, protocol) +
+                     groups_words(results, protocol);
   if (text.empty()) return protocol.conditions.size() > 1 ? "The protocol registers no test of the conditions." : "";
   text += methods_words(results, protocol);
   return text.starts_with(' ') ? text.substr(1) : text;

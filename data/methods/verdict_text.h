@@ -14,8 +14,8 @@ namespace jnd {
 // where there is nothing to compare.
 std::string verdict_text(const StudyResults& results, const Protocol& protocol);
 
-// Two digits that count, more where two would show the p on the other side of alpha: "0.14", "0.0498"; "below 0.0001"
-// where alpha is not. p, alpha: 0..1.
+// ".141"; with more digits where three would show the p on the other side of alpha: ".0498"; "< .001" where alpha is not. p,
+// alpha: 0..1.
 std::string p_in_words(double p, double alpha);
 
 }  // namespace jnd

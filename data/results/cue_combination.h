@@ -3,12 +3,11 @@
 #pragma once
 
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
 #include "analysis/group/group.h"
-#include "data/results/study_analysis.h"
+#include "data/task_results/task_results.h"
 #include "protocols/protocol.h"
 
 namespace jnd {
@@ -29,7 +28,8 @@ struct CueCombination {
   MeanEstimate log_ratio;
 };
 
-// Every such triple of conditions, in the order of `both`, a and b.
-std::vector<CueCombination> cue_combinations(std::span<const ThresholdResult> thresholds, const Protocol& protocol);
+// Every such triple of conditions, in the order of `both`, a and b; none of a task without an outcome "jnd", and of several
+// standards.
+std::vector<CueCombination> cue_combinations(const TaskResults& results, const Protocol& protocol);
 
 }  // namespace jnd

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "analysis/hierarchical/hierarchical_likelihood.h"
+#include "data/fields/number_text.h"
 
 namespace jnd {
 
@@ -70,9 +71,21 @@ std::string lapse_caution(const SharedEstimate& lapses) {
   constexpr double kSignificant = 0.05;
   if (!(lapses.p < kSignificant)) return "";
   return fmt::format(
-      "Some answers are guesses: a share of {:.1f} % fits them better (p = {:.2g}). Unknown lapses of 5 % "
-      "make a JND 8 % too large.",
-      100 * lapses.value, lapses.p);
+      "Some answers are guesses: a share of {:.1f} % fits them better ({}). Unknown lapses of 5 % make a JND "
+      "8 % too large.",
+      100 * lapses.value, p_text(lapses.p));
+}
+
+std::string predictive_verdict(const PredictiveCheck& check) {
+  std::string text = fmt::format(
+      "The model {} answers like these: {} of {} shares and spreads lie outside their 95 % bands",
+      check.bands_fit() && check.scatter_fits() ? "draws" : "does not draw", check.outside(), check.bands());
+  if (!check.bands_fit()) text += fmt::format(", more than the {} that chance explains", check.outside_by_chance());
+  return text + fmt::format(", and {} ({}).",
+                            check.scatter_fits() ? "the answers scatter about each person's rates as drawn ones do"
+                            : check.p < 0.5      ? "the answers scatter more about each person's rates than drawn ones"
+                                                 : "the answers are more regular than drawn ones",
+                            p_text(check.p));
 }
 
 std::vector<std::string> hierarchical_cautions(const HierarchicalFit& fit, const std::vector<std::string>& conditions,

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "analysis/hierarchical/hierarchical_fit.h"
+#include "analysis/hierarchical/predictive_check.h"
 
 namespace jnd {
 
@@ -51,5 +52,8 @@ std::string lapse_caution(const SharedEstimate& lapses);
 // One sentence for each thing that limits the numbers of a fit, the gravest first. conditions: names by their place.
 std::vector<std::string> hierarchical_cautions(const HierarchicalFit& fit, const std::vector<std::string>& conditions,
                                                const PooledLevels& pooled);
+
+// What a check of the model says, in a sentence.
+std::string predictive_verdict(const PredictiveCheck& check);
 
 }  // namespace jnd

@@ -12,7 +12,7 @@
 #include "data/log/event_body.h"
 #include "data/log/exploration_body.h"
 #include "data/log/storage_error.h"
-#include "data/results/study_analysis.h"
+#include "data/results/attendance.h"
 #include "protocols/input/json_text.h"
 
 namespace jnd {
@@ -21,12 +21,11 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-ItemScore score_of(const std::vector<double>& column, int condition, const Question& question) {
+ItemScore score_of(const std::vector<double>& column, const Question& question) {
   std::vector<double> answered;
   for (const double value : column)
     if (!std::isnan(value)) answered.push_back(value);
   ItemScore score;
-  score.condition = condition;
   score.mean = mean_with_ci(answered);
   score.median = median_interval(answered);
   if (question.kind != Question::Kind::rating) return score;
@@ -35,10 +34,6 @@ ItemScore score_of(const std::vector<double>& column, int condition, const Quest
   for (const double value : answered) ++(value < middle ? sides.below : value > middle ? sides.above : sides.at);
   score.sides = sides;
   return score;
-}
-
-std::size_t columns_of(const RatedQuestion& item, const Protocol& protocol) {
-  return item.paired ? protocol.conditions.size() : 1;
 }
 
 std::vector<double> column_of(const RatedQuestion& item, std::size_t columns, std::size_t column) {
@@ -178,10 +173,12 @@ QuestionnaireResults questionnaire_of(const std::vector<RatedQuestion>& items, s
   for (const RatedQuestion& rated : items) {
     const Question& question = protocol.questions[static_cast<std::size_t>(rated.question)];
     QuestionnaireItem item{rated.question, rated.paired, {}};
-    const std::size_t columns = columns_of(rated, protocol);
-    for (std::size_t column = 0; column < columns; ++column)
-      item.scores.push_back(
-          score_of(column_of(rated, columns, column), rated.paired ? static_cast<int>(column) : -1, question));
+    const std::size_t columns = rated.columns(protocol);
+    for (std::size_t column = 0; column < columns; ++column) {
+      item.scores.push_back(score_of(column_of(rated, columns, column), question));
+      if (rated.paired) item.scores.back().condition = static_cast<int>(column);
+      if (rated.by_series) item.scores.back().series = static_cast<int>(column);
+    }
     if (rated.paired) paired.push_back({question.id, {participants, columns, rated.ratings}});
     results.items.push_back(std::move(item));
   }
@@ -206,11 +203,12 @@ std::vector<std::string> exposure_deviations(const ExplorationResults& results, 
   return sentences;
 }
 
-ExplorationResults exploration_results(const Study& study, const Protocol& protocol, SessionKind kind) {
-  const std::vector<SessionInfo> sessions = sessions_of(study, kind);
+ExplorationResults exploration_results(const Study& study, const Protocol& protocol,
+                                       const std::vector<SessionInfo>& sessions) {
   ExplorationResults results;
-  results.attendance = attendance_of(study, kind, sessions);
-  EventReader reader(protocol, static_cast<std::size_t>(results.attendance.participants));
+  const auto chosen = [](const Question& question) { return question.kind == Question::Kind::choice; };
+  if (!protocol.explore && std::none_of(protocol.questions.begin(), protocol.questions.end(), chosen)) return results;
+  EventReader reader(protocol, participants_of(sessions).size());
   std::size_t row = 0;
   for (std::size_t i = 0; i < sessions.size(); ++i) {
     if (i > 0 && sessions[i].participant != sessions[i - 1].participant) ++row;

@@ -11,7 +11,6 @@
 #include "analysis/group/questionnaire.h"
 #include "analysis/numerics/exact_proportion.h"
 #include "data/results/rating_answers.h"
-#include "data/results/study_analysis.h"
 #include "data/study/study.h"
 #include "protocols/protocol.h"
 
@@ -19,7 +18,8 @@ namespace jnd {
 
 // The answers to one question of kind rating or number in one condition, over the participants who answered.
 struct ItemScore {
-  int condition = -1;  // place in Protocol::conditions; -1: asked once
+  int condition = -1;  // place in Protocol::conditions; -1: not of one
+  int series = -1;     // place in Protocol::series; -1: not of one
   MeanEstimate mean;
   MedianInterval median;
   // Ratings below, on and above the middle of the scale; none of numbers, whose range is only what may be typed.
@@ -32,7 +32,7 @@ struct ItemScore {
 struct QuestionnaireItem {
   int question = 0;  // place in Protocol::questions
   bool paired = false;
-  std::vector<ItemScore> scores;  // a condition each, or one
+  std::vector<ItemScore> scores;  // a condition each, or a series, or one
 };
 
 // One question with options, asked after a condition or the session.
@@ -65,9 +65,8 @@ struct QuestionnaireResults {
   TestCount below_alpha;
 };
 
-// Of free interaction, beside what was answered to questions.
+// Choices of any study; of free interaction also how long it took.
 struct ExplorationResults {
-  Attendance attendance;
   std::vector<ChoiceResult> choices;
   std::vector<Exposure> exposure;  // by condition, object
 };
@@ -79,7 +78,8 @@ QuestionnaireResults questionnaire_of(const std::vector<RatedQuestion>& items, s
 // One sentence for each object of a condition that some participants explored for less than planned, or not at all.
 std::vector<std::string> exposure_deviations(const ExplorationResults& results, const Protocol& protocol);
 
-// Sessions of one kind; a participant with several has the choice of the last. Throws StorageError.
-ExplorationResults exploration_results(const Study& study, const Protocol& protocol, SessionKind kind);
+// sessions: of one kind, by participant; one with several has the choice of the last. Throws StorageError.
+ExplorationResults exploration_results(const Study& study, const Protocol& protocol,
+                                       const std::vector<SessionInfo>& sessions);
 
 }  // namespace jnd

@@ -5,7 +5,9 @@
 
 #include <fmt/format.h>
 
+#include "data/fields/number_text.h"
 #include "protocols/planning/track_threshold.h"
+#include "protocols/tasks/level_source.h"
 
 namespace jnd {
 
@@ -19,16 +21,6 @@ std::string share(int part, int whole) {
   return fmt::format("{} of {} ({:.0f} %)", part, whole, 100.0 * part / std::max(whole, 1));
 }
 
-bool has(const JndEstimate& estimate, Caution caution) {
-  return std::find(estimate.cautions.begin(), estimate.cautions.end(), caution) != estimate.cautions.end();
-}
-
-const OutcomeComparison* registered(const std::vector<OutcomeComparison>& comparisons) {
-  for (const OutcomeComparison& one : comparisons)
-    if (one.registered) return &one;
-  return nullptr;
-}
-
 std::string names(const std::vector<LeftOut>& left_out) {
   std::string text;
   for (std::size_t i = 0; i < left_out.size() && i < 5; ++i)
@@ -37,23 +29,27 @@ std::string names(const std::vector<LeftOut>& left_out) {
   return text;
 }
 
-void add_cell_deviations(const StudyAnalysis& analysis, std::vector<std::string>& out) {
-  int short_cells = 0, missing = 0;
-  for (const CellResult& cell : analysis.cells) {
-    short_cells += cell.missing > 0 ? 1 : 0;
-    missing += cell.missing;
-  }
+void add_missing_deviations(const TaskResults& task, std::vector<std::string>& out) {
+  int cells = 0, missing = 0;
+  const auto add = [&](int of_cell) {
+    cells += of_cell > 0 ? 1 : 0;
+    missing += of_cell;
+  };
+  if (task.cells.empty())
+    for (const TaskEstimateRow& row : task.estimates) add(row.missing);
+  else
+    for (const CellResult& cell : task.cells) add(cell.missing);
   if (missing > 0)
-    out.push_back(fmt::format("{} planned trial{} of {} cell{} {} not answered.", missing, plural(missing), short_cells,
-                              plural(short_cells), missing == 1 ? "was" : "were"));
-  for (const auto& [reason, trials] : analysis.exclusions)
+    out.push_back(fmt::format("{} planned trial{} of {} cell{} {} not answered.", missing, plural(missing), cells,
+                              plural(cells), missing == 1 ? "was" : "were"));
+  for (const auto& [reason, trials] : task.exclusions)
     out.push_back(
         fmt::format("{} trial{} excluded by the registered rule {}.", trials, trials == 1 ? " was" : "s were", reason));
 }
 
-void add_rate_cautions(const StudyAnalysis& analysis, std::vector<std::string>& out) {
+void add_rate_cautions(const TaskResults& task, std::vector<std::string>& out) {
   int cells = 0, extreme = 0, negative = 0, few = 0;
-  for (const CellResult& cell : analysis.cells) {
+  for (const CellResult& cell : task.cells) {
     if (cell.yes_no.status == RateStatus::missing) continue;
     const Counts& c = cell.counts;
     ++cells;
@@ -71,13 +67,15 @@ void add_rate_cautions(const StudyAnalysis& analysis, std::vector<std::string>& 
   if (20 * negative > cells) out.push_back(fmt::format("{} cells have a d' of 0 or below.", share(negative, cells)));
 }
 
-void add_threshold_cautions(const StudyAnalysis& analysis, const Protocol& protocol, std::vector<std::string>& out) {
-  if (analysis.thresholds.empty()) return;
+// Of JNDs of pairs.
+void add_pair_cautions(const TaskResults& task, const Protocol& protocol, std::vector<std::string>& out) {
+  if (task.cells.empty()) return;
   int thresholds = 0, extrapolated = 0, ok = 0;
-  for (const ThresholdResult& row : analysis.thresholds) {
+  for (const TaskEstimateRow& row : task.estimates) {
+    const std::vector<std::string>& cautions = row.estimates.cautions;
     ++thresholds;
-    ok += row.jnd.status == JndStatus::ok ? 1 : 0;
-    extrapolated += has(row.jnd, Caution::extrapolated) ? 1 : 0;
+    ok += row.estimates.status == "ok" ? 1 : 0;
+    extrapolated += std::find(cautions.begin(), cautions.end(), "extrapolated") != cautions.end() ? 1 : 0;
   }
   if (ok < thresholds)
     out.push_back(fmt::format("{} thresholds have no JND; the mean JND leaves them out, the median does not.",
@@ -85,10 +83,11 @@ void add_threshold_cautions(const StudyAnalysis& analysis, const Protocol& proto
   if (5 * extrapolated > thresholds)
     out.push_back(fmt::format("{} JNDs lie outside the tested differences: they are extrapolated along the line.",
                               share(extrapolated, thresholds)));
-  if (!analysis.intervals)
+  if (!task.pairs.intervals)
     out.push_back(fmt::format("Above {} participants single JNDs carry no bootstrap interval.", kMostInDetail));
   int not_measured = 0;
-  for (const GroupResult& row : analysis.group) not_measured += row.difference_source != analysis.by ? 1 : 0;
+  for (const TaskGroupRow& row : task.group)
+    not_measured += row.outcome == 0 && row.difference_source != task.pairs.by ? 1 : 0;
   if (not_measured > 0)
     out.push_back(
         fmt::format("{} of {} conditions rest on nominal differences at least in part: nothing was delivered "
@@ -114,15 +113,10 @@ void add_procedure_cautions(const StudyResults& results, bool tested, const Prot
     heavy += ok && weight > kLittle ? 1 : 0;
     if (ok) most = std::max(most, weight);
   };
-  if (const auto* adaptive = std::get_if<AdaptiveResults>(&results.measured))
-    for (const AdaptiveRow& row : adaptive->rows)
-      if (const AdaptiveThreshold& one = row.threshold; row.track == 0)
-        add(one.tracks, one.status == AdaptiveStatus::ok, one.prior_weight);
-  if (const auto* task = std::get_if<MeasuredTask>(&results.measured))
-    for (const TaskEstimateRow& row : task->task.estimates) {
-      const TaskEstimate& one = row.estimates.values[task->task.registered];
-      add(row.estimates.tracks, one.value.has_value(), one.prior_weight);
-    }
+  for (const TaskEstimateRow& row : results.task.estimates) {
+    const TaskEstimate& one = row.estimates.values[results.task.registered];
+    add(row.estimates.tracks, one.value.has_value(), one.prior_weight);
+  }
   if (tracks.unfinished > 0)
     out.push_back(
         fmt::format("{} tracks did not end: they have fewer than {} reversals, and {} (analysis.unfinished_tracks).",
@@ -149,15 +143,15 @@ void add_test_cautions(const OutcomeComparison& outcome, const Protocol& protoco
   const bool anova = protocol.analysis.tests.omnibus == Omnibus::anova;
   if (anova && comparison.residuals.status == StatisticStatus::ok && comparison.residuals.p < 0.05)
     out.push_back(
-        fmt::format("The residuals of the analysis of variance are not normal (Shapiro-Wilk W = {:.3f}, p = "
-                    "{:.2g}): look at Friedman's test and the Wilcoxon tests beside it.",
-                    comparison.residuals.w, comparison.residuals.p));
+        fmt::format("The residuals of the analysis of variance are not normal (Shapiro-Wilk W = {:.3f}, "
+                    "{}): look at Friedman's test and the Wilcoxon tests beside it.",
+                    comparison.residuals.w, p_text(comparison.residuals.p)));
   const Mauchly& mauchly = comparison.anova.effect.mauchly;
   if (anova && mauchly.status == StatisticStatus::ok && mauchly.p < 0.05)
     out.push_back(
-        fmt::format("Sphericity is violated (Mauchly W = {:.3f}, p = {:.2g}): read the p with the "
+        fmt::format("Sphericity is violated (Mauchly W = {:.3f}, {}): read the p with the "
                     "Greenhouse-Geisser correction.",
-                    mauchly.w, mauchly.p));
+                    mauchly.w, p_text(mauchly.p)));
   if (protocol.analysis.tests.post_hoc == PostHoc::games_howell || protocol.analysis.tests.post_hoc == PostHoc::tukey)
     out.emplace_back(
         "The registered post-hoc test ignores that every participant had every condition; the paired t tests "
@@ -169,14 +163,14 @@ void add_test_cautions(const OutcomeComparison& outcome, const Protocol& protoco
 
 std::vector<std::string> deviations_of(const StudyResults& results, const Protocol& protocol) {
   std::vector<std::string> out;
-  const Attendance& attendance = attendance_of(results);
-  const auto* constant = std::get_if<ConstantResults>(&results.measured);
-  if (constant != nullptr && constant->analysis.by != registered_source(protocol))
+  const Attendance& attendance = results.attendance;
+  const PairMethod& pairs = results.task.pairs;
+  if (!results.task.cells.empty() && pairs.by != registered_source(protocol))
     out.push_back(fmt::format("The protocol registers slopes over {} stiffness differences; these are over {} ones.",
-                              to_string(registered_source(protocol)), to_string(constant->analysis.by)));
+                              to_string(registered_source(protocol)), to_string(pairs.by)));
   const Exclusions& rules = protocol.analysis.exclude;
-  if (protocol.design.procedure && (rules.response_time_below_s || rules.response_time_above_s ||
-                                    rules.saturated_share_above || rules.off_prescription))
+  if (!levels_given(protocol) && (rules.response_time_below_s || rules.response_time_above_s ||
+                                  rules.saturated_share_above || rules.off_prescription))
     out.emplace_back(
         "The registered exclusions are not applied: an excluded answer has moved the levels all the same.");
   if (results.off_prescription > 0)
@@ -204,8 +198,8 @@ std::vector<std::string> deviations_of(const StudyResults& results, const Protoc
     out.push_back(fmt::format("{} participant{} took part; {} {} planned.", attendance.participants,
                               plural(attendance.participants), protocol.design.participants,
                               protocol.design.participants == 1 ? "was" : "were"));
-  if (constant != nullptr) add_cell_deviations(constant->analysis, out);
-  if (const OutcomeComparison* outcome = registered(results.comparisons)) {
+  add_missing_deviations(results.task, out);
+  if (const OutcomeComparison* outcome = results.registered()) {
     if (!outcome->refused.empty() && protocol.conditions.size() > 1)
       out.push_back(fmt::format("The registered tests on the {} were refused: {}.", outcome->title, outcome->refused));
     else if (!outcome->left_out.empty())
@@ -220,18 +214,15 @@ std::vector<std::string> deviations_of(const StudyResults& results, const Protoc
       out.push_back(fmt::format("The registered test of the groups leaves out {} of {} participants: {}.",
                                 groups.left_out.size(), attendance.participants, names(groups.left_out)));
   }
-  if (const auto* exploration = std::get_if<ExplorationResults>(&results.measured))
-    for (const std::string& one : exposure_deviations(*exploration, protocol)) out.push_back(one);
+  for (const std::string& one : exposure_deviations(results.exploration, protocol)) out.push_back(one);
   return out;
 }
 
 std::vector<std::string> cautions_of(const StudyResults& results, const Protocol& protocol) {
   std::vector<std::string> out;
-  if (const auto* constant = std::get_if<ConstantResults>(&results.measured)) {
-    add_rate_cautions(constant->analysis, out);
-    add_threshold_cautions(constant->analysis, protocol, out);
-  }
-  const OutcomeComparison* outcome = registered(results.comparisons);
+  add_rate_cautions(results.task, out);
+  add_pair_cautions(results.task, protocol, out);
+  const OutcomeComparison* outcome = results.registered();
   const bool tested = (outcome != nullptr && outcome->refused.empty()) || (results.groups && results.groups->tested());
   add_procedure_cautions(results, tested, protocol, out);
   if (outcome != nullptr) add_test_cautions(*outcome, protocol, out);

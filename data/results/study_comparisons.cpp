@@ -34,8 +34,10 @@ void fill(OutcomeComparison& outcome, std::size_t rows, const Protocol& protocol
   for (std::size_t row = 0; row < rows; ++row) {
     ParticipantValues one{name(row), group(row), std::vector<double>(outcome.table.k, kNaN), ""};
     const std::vector<int> own = conditions_of(protocol, one.group);
+    if (own.size() < outcome.table.k) one.gets.assign(outcome.table.k, false);
     for (const int place : own) {
       const auto condition = static_cast<std::size_t>(place);
+      if (!one.gets.empty()) one.gets[condition] = true;
       one.values[condition] = value(row, condition);
       if (!std::isfinite(one.values[condition]))
         one.missing += fmt::format("{}{}: {}", one.missing.empty() ? "" : ", ", condition_name(protocol, condition),
@@ -54,20 +56,20 @@ void fill(OutcomeComparison& outcome, std::size_t rows, const Protocol& protocol
   }
 }
 
-// The same of rows by participant and condition.
-template <typename Row>
-void fill(OutcomeComparison& outcome, const std::vector<ParticipantRows<Row>>& rows, const Protocol& protocol,
-          const std::function<double(const Row&)>& value, const std::function<std::string(const Row&)>& why) {
+// The same of estimates. first: at the first standard.
+void fill(OutcomeComparison& outcome, const std::vector<ParticipantRows>& rows, const Protocol& protocol,
+          const std::function<double(const TaskEstimateRow&)>& value,
+          const std::function<std::string(const TaskEstimateRow&)>& why) {
   fill(
       outcome, rows.size(), protocol, [&](std::size_t row) -> const std::string& { return rows[row].participant; },
       [&](std::size_t row) { return rows[row].group; },
       [&](std::size_t row, std::size_t condition) {
-        const Row* const found = rows[row].of[condition];
-        return found == nullptr ? kNaN : value(*found);
+        const TaskEstimateRow* const first = rows[row].of[condition];
+        return first == nullptr ? kNaN : value(*first);
       },
       [&](std::size_t row, std::size_t condition) {
-        const Row* const found = rows[row].of[condition];
-        return found == nullptr ? std::string("no value") : why(*found);
+        const TaskEstimateRow* const first = rows[row].of[condition];
+        return first == nullptr ? std::string("no value") : why(*first);
       });
 }
 
@@ -93,18 +95,15 @@ void test(OutcomeComparison& outcome, std::optional<PostHoc> pairs = std::nullop
   if (outcome.refused.empty() && outcome.table.n < 2)
     outcome.refused = fmt::format("{} complete participant{}: at least 2 are needed", outcome.table.n,
                                   outcome.table.n == 1 ? "" : "s");
+  if (!pairs && outcome.table.n > 1 && outcome.table.k > 1) outcome.within = summaries_of(outcome.table);
+  if (outcome.share)
+    for (ConditionSummary& one : outcome.within) keep_within_0_and_1(one.ci_within_low, one.ci_within_high);
   if (!outcome.refused.empty()) return;
   outcome.comparison = pairs ? compare_pairs(outcome.table, pair_test(*pairs)) : compare(outcome.table);
 }
 
 void test(OutcomeComparison& outcome, Compared compared, const Protocol& protocol) {
   test(outcome, compared == Compared::contrasts ? std::optional(protocol.analysis.tests.post_hoc) : std::nullopt);
-}
-
-double outcome_of(const JndEstimate& estimate, Outcome outcome) {
-  if (outcome == Outcome::slope) return estimate.slope;
-  if (estimate.status != JndStatus::ok) return kNaN;
-  return outcome == Outcome::jnd ? estimate.jnd : std::log(estimate.jnd);
 }
 
 // Of a participant's values under the conditions of their group; NaN where one is missing.
@@ -131,12 +130,6 @@ std::string joined_names(const std::vector<LeftOut>& left_out) {
 
 }  // namespace
 
-std::string_view to_string(Outcome outcome) noexcept {
-  constexpr auto kWords =
-      words<Outcome>({{"slope", Outcome::slope}, {"jnd", Outcome::jnd}, {"log_jnd", Outcome::log_jnd}});
-  return word_of(kWords, outcome);
-}
-
 std::string_view to_string(BetweenTest test) noexcept {
   constexpr auto kWords = words<BetweenTest>({{"none", BetweenTest::none},
                                               {"welch", BetweenTest::welch},
@@ -153,83 +146,61 @@ std::string_view to_string(PostHoc test) noexcept {
   return word_of(kWords, test);
 }
 
-OutcomeComparison compare_thresholds(const std::vector<ThresholdResult>& thresholds, const Protocol& protocol,
-                                     Outcome outcome, Compared compared) {
-  const std::string unit(to_string(protocol.stimulus.unit));
-  OutcomeComparison result;
-  result.outcome = to_string(outcome);
-  if (outcome == Outcome::slope) {
-    result.title = "slope of d' on the stiffness difference";
-    result.unit = "per " + unit;
-  } else {
-    result.title = outcome == Outcome::jnd ? "JND" : fmt::format("ln(JND / {})", unit);
-    result.unit = outcome == Outcome::jnd ? unit : "";
-  }
-  fill<ThresholdResult>(
-      result, by_participant(thresholds, protocol.conditions.size()), protocol,
-      [&](const ThresholdResult& row) { return outcome_of(row.jnd, outcome); },
-      [](const ThresholdResult& row) { return std::string(to_string(row.jnd.status)); });
-  // 1/m of a shallow slope is anything at all: leaving those participants out would pick the good ones.
-  if (outcome != Outcome::slope && !result.left_out.empty())
-    result.refused =
-        fmt::format("tests on the JND need a JND of everyone; without one: {}", joined_names(result.left_out));
-  test(result, compared, protocol);
-  return result;
+std::string compared_title(const TaskOutcome& outcome, const Protocol& protocol) {
+  const std::string title(outcome.title);
+  if (protocol.analysis.standard >= 0) return fmt::format("{} at {}", title, compared_standard(protocol));
+  const std::size_t standards = judged_standard_count(protocol);
+  return standards > 1 ? fmt::format("{}, mean over {} standards", title, standards) : title;
 }
 
-OutcomeComparison compare_adaptive(const std::vector<AdaptiveRow>& rows, const Protocol& protocol, Compared compared) {
-  std::vector<AdaptiveRow> whole;
-  for (const AdaptiveRow& row : rows)
-    if (row.track == 0) whole.push_back(row);
-  OutcomeComparison result;
-  result.outcome = "threshold";
-  result.title = "adaptive threshold";
-  result.unit = to_string(protocol.stimulus.unit);
-  fill<AdaptiveRow>(
-      result, by_participant(whole, protocol.conditions.size()), protocol,
-      [](const AdaptiveRow& row) {
-        return row.threshold.status == AdaptiveStatus::ok ? row.threshold.threshold : kNaN;
-      },
-      [](const AdaptiveRow& row) { return std::string(to_string(row.threshold.status)); });
-  if (!result.left_out.empty())
-    result.refused =
-        fmt::format("tests on thresholds need one of everyone; without one: {}", joined_names(result.left_out));
-  test(result, compared, protocol);
-  return result;
+std::string compared_standard(const Protocol& protocol) {
+  const int one = protocol.analysis.standard;
+  return one < 0 ? "all" : protocol.series[static_cast<std::size_t>(one)].name;
 }
 
 OutcomeComparison compare_task(const TaskResults& results, const Protocol& protocol, Compared compared) {
   const TaskOutcome& outcome = results.outcomes[results.registered];
-  const bool logarithm = protocol.analysis.tests.outcome == Outcome::log_jnd;
   OutcomeComparison result;
-  result.outcome = (logarithm ? "ln_" : "") + std::string(outcome.key);
-  result.title = logarithm ? fmt::format("logarithm of the {}", outcome.title) : std::string(outcome.title);
-  result.unit = logarithm ? "" : std::string(outcome.unit);
-  fill<TaskEstimateRow>(
+  result.outcome = (results.logarithm ? "ln_" : "") + std::string(outcome.key);
+  result.title = (results.logarithm ? "logarithm of the " : "") + compared_title(outcome, protocol);
+  result.unit = results.logarithm ? "" : outcome.unit;
+  result.standard = compared_standard(protocol);
+  result.may_lack = outcome.may_lack;
+  result.share = outcome.share && !results.logarithm;
+  fill(
       result, by_participant(results.estimates, protocol.conditions.size()), protocol,
       [&](const TaskEstimateRow& first) { return registered_value(first, results, protocol); },
       [&](const TaskEstimateRow& first) {
-        for (const TaskEstimateRow& row : series_from(first, protocol))
+        for (const TaskEstimateRow& row : compared_standards(first, protocol))
           if (row.estimates.status != "ok") return row.estimates.status;
         return std::string("no value");
       });
   // Leaving out who has none would pick the good ones.
-  if (!result.left_out.empty())
+  if (!result.may_lack && !result.left_out.empty())
     result.refused = fmt::format("tests on the {} need a value of everyone; without one: {}", outcome.title,
                                  joined_names(result.left_out));
   test(result, compared, protocol);
   return result;
 }
 
-OutcomeComparison compare_times(const std::vector<ThresholdResult>& thresholds, const Protocol& protocol) {
+OutcomeComparison compare_times(const TaskResults& results, const Protocol& protocol) {
   OutcomeComparison result;
   result.outcome = "trial_time";
   result.title = "time per trial";
   result.unit = "s";
-  fill<ThresholdResult>(
-      result, by_participant(thresholds, protocol.conditions.size()), protocol,
-      [](const ThresholdResult& row) { return row.mean_trial_s; },
-      [](const ThresholdResult&) { return std::string("no counted trial"); });
+  fill(
+      result, by_participant(results.estimates, protocol.conditions.size()), protocol,
+      [&](const TaskEstimateRow& first) {
+        double sum = 0;
+        int trials = 0;
+        for (const TaskEstimateRow& row : standards_from(first, protocol)) {
+          if (!row.mean_trial_s) continue;
+          sum += row.trials * *row.mean_trial_s;
+          trials += row.trials;
+        }
+        return trials > 0 ? sum / trials : kNaN;
+      },
+      [](const TaskEstimateRow&) { return std::string("no counted trial"); });
   test(result);
   return result;
 }
@@ -267,7 +238,9 @@ GroupMean group_mean(const OutcomeComparison& outcome, int group, int condition)
     if (std::isfinite(value)) values.push_back(value);
   }
   row.mean = mean_with_ci(values);
+  if (outcome.share) keep_within_0_and_1(row.mean.ci_low, row.mean.ci_high);
   row.median = median_of(values);
+  row.shapiro = shapiro_wilk(values);
   return row;
 }
 
@@ -306,12 +279,13 @@ GroupsCompared compare_groups(const OutcomeComparison& registered, const Protoco
   result.outcome = registered.outcome;
   result.title = registered.title;
   result.unit = registered.unit;
+  result.standard = registered.standard;
   result.test = protocol.analysis.tests.between;
   add_means(result, registered, protocol);
   if (result.test == BetweenTest::none) return result;
   add_tested(result, registered, protocol);
   const std::set<std::size_t> groups(result.table.group.begin(), result.table.group.end());
-  if (!result.left_out.empty() && registered.outcome != to_string(Outcome::slope))
+  if (!result.left_out.empty() && !registered.may_lack)
     result.refused = fmt::format("a comparison of the groups' {} needs a value of everyone; without one: {}",
                                  result.title, joined_names(result.left_out));
   else if (groups.size() < 2)
@@ -394,7 +368,7 @@ std::vector<ContrastWithin> contrasts_within(const OutcomeComparison& outcome, c
     const auto n = static_cast<int>(a.size());
     if (test == PostHoc::tukey)
       one.refused = "Tukey's test needs every condition of every participant";
-    else if (n < one.participants && outcome.outcome != to_string(Outcome::slope))
+    else if (n < one.participants && !outcome.may_lack)
       one.refused = fmt::format("{} of the {} who get both have no value", one.participants - n, one.participants);
     else if (n < 2)
       one.refused = fmt::format("{} get both: at least 2 are needed", n);

@@ -13,9 +13,7 @@
 #include "analysis/group/two_way_within.h"
 #include "analysis/group/within_table.h"
 #include "analysis/numerics/special_values.h"
-#include "data/results/adaptive_results.h"
 #include "data/results/rating_answers.h"
-#include "data/results/study_analysis.h"
 #include "data/task_results/task_results.h"
 #include "protocols/protocol.h"
 
@@ -31,15 +29,19 @@ struct ParticipantValues {
   std::optional<int> group;    // place in Protocol::groups
   std::vector<double> values;  // by condition; NaN where there is none, or the group does not get the condition
   std::string missing;         // why there is none of a condition that the group gets; empty where all are there
+  std::vector<bool> gets{};    // by condition, whether the group gets it; empty: all of them
 };
 
 // One quantity compared over the conditions.
 struct OutcomeComparison {
-  std::string outcome;      // "slope", "jnd", "log_jnd", "trial_time", or a question's id
-  std::string title;        // for people: "slope of d'", "time per trial", the question's text
-  std::string unit;         // of the values; empty where they have none
-  bool registered = false;  // the plan's own test; the others stand beside it
-  bool question = false;    // a rating
+  std::string outcome;  // key of the task's outcome, "ln_" before it of logarithms, "trial_time", or a question's id
+  std::string title;    // for people: "JND, mean over 3 standards", "time per trial", the question's text
+  std::string unit;     // of the values; empty where they have none
+  std::string standard = "all";  // at which the values are; all: of all of them together
+  bool registered = false;       // the plan's own test; the others stand beside it
+  bool may_lack = false;         // TaskOutcome::may_lack
+  bool share = false;            // TaskOutcome::share
+  bool question = false;         // a rating
   // Every participant gets every condition. Where groups get different ones, table has those who get them all, and what
   // is compared within or between groups is taken from everyone.
   bool crossed = true;
@@ -48,6 +50,7 @@ struct OutcomeComparison {
   std::vector<LeftOut> left_out;          // who gets every condition and is not in it, and why
   WithinTable table;                      // participants x the protocol's conditions
   std::string refused;                    // why there is no test; empty where there is one
+  std::vector<ConditionSummary> within;   // by condition, over the rows of table; empty of fewer than 2
   Comparison comparison;                  // empty where refused
 };
 
@@ -65,11 +68,12 @@ struct GroupMean {
   int participants = 0;           // of the group
   MeanEstimate mean;              // with Student's 95 % interval; of those who have a value
   double median = kNaN;
+  ShapiroWilk shapiro{};
 };
 
 // The groups against each other, by the registered test.
 struct GroupsCompared {
-  std::string outcome, title, unit;  // as OutcomeComparison
+  std::string outcome, title, unit, standard;  // as OutcomeComparison
   BetweenTest test = BetweenTest::none;
   std::vector<GroupMean> means;           // by group, condition; over several conditions last
   std::vector<std::string> participants;  // the rows of table, in order
@@ -82,7 +86,6 @@ struct GroupsCompared {
   bool tested() const noexcept { return test != BetweenTest::none && refused.empty(); }
 };
 
-std::string_view to_string(Outcome outcome) noexcept;   // "slope", "jnd", "log_jnd"
 std::string_view to_string(BetweenTest test) noexcept;  // "none", "welch", "mann-whitney", "mixed-anova"
 std::string_view to_string(PostHoc test) noexcept;      // "holm-t", "games-howell", "tukey", "wilcoxon"
 
@@ -90,24 +93,23 @@ std::string_view to_string(PostHoc test) noexcept;      // "holm-t", "games-howe
 // contrast_p() needs; for studies that are simulated by the thousand.
 enum class Compared { everything, contrasts };
 
-// Slopes of thresholds, by participant and condition. Tests on the slope leave out whose slope is not finite;
-// those on the JND or its logarithm are refused where a participant has none (a mean over the rest would be biased).
-OutcomeComparison compare_thresholds(const std::vector<ThresholdResult>& thresholds, const Protocol& protocol,
-                                     Outcome outcome, Compared compared = Compared::everything);
-// Of an adaptive study; tests are refused where a participant has no threshold. rows: of adaptive_results.
-OutcomeComparison compare_adaptive(const std::vector<AdaptiveRow>& rows, const Protocol& protocol,
-                                   Compared compared = Compared::everything);
-// The registered outcome of a task, by participant its mean over the standards.
+// An outcome of a task, by participant its mean over the standards; registered: the one that the protocol registers. Tests
+// leave out who has none where the outcome may_lack, and are refused otherwise: a mean over the rest would be biased.
 OutcomeComparison compare_task(const TaskResults& results, const Protocol& protocol,
                                Compared compared = Compared::everything);
-OutcomeComparison compare_times(const std::vector<ThresholdResult>& thresholds, const Protocol& protocol);
+// An outcome's title with the standards that are compared: "JND, mean over 3 standards", "JND at 500".
+std::string compared_title(const TaskOutcome& outcome, const Protocol& protocol);
+// The name of the standard at which conditions are compared, or "all".
+std::string compared_standard(const Protocol& protocol);
+// Time per trial, over all standards.
+OutcomeComparison compare_times(const TaskResults& results, const Protocol& protocol);
 // participants: those that the ratings were read for. groups: theirs; empty where there are none.
 OutcomeComparison compare_ratings(const RatedQuestion& ratings, const std::vector<std::string>& participants,
                                   const Protocol& protocol, const std::vector<std::optional<int>>& groups = {});
 SeriesComparison compare_series(const std::vector<CellResult>& cells, const Protocol& protocol);
 
-// registered: the comparison of the registered outcome. Tests on slopes leave out who has none; those on every other
-// outcome are refused where a participant has no value. Of a protocol with groups.
+// registered: the comparison of the registered outcome; of a protocol with groups. Who has no value is left out, or the
+// test refused, as in compare_task().
 GroupsCompared compare_groups(const OutcomeComparison& registered, const Protocol& protocol);
 
 // A registered contrast by itself, over the participants who get both: where groups get different conditions, and where not

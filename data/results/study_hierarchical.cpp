@@ -43,11 +43,10 @@ std::vector<int> numbers_of(const std::vector<AnsweredCell>& cells) {
 // The fit of a study, laid out from its cells and read back into them.
 class StudyFit {
  public:
-  StudyFit(std::vector<AnsweredCell> cells, const Protocol& protocol) : cells_(std::move(cells)), protocol_(protocol) {
-    const Task& task = task_of(protocol.task.kind);
-    offered_ = task.answer_model(protocol);
+  StudyFit(std::vector<AnsweredCell> cells, const Protocol& protocol)
+      : cells_(std::move(cells)), protocol_(protocol), standards_(judged_standards(protocol)) {
+    offered_ = task_of(protocol.task.kind).answer_model(protocol);
     if (offered_) answer_model_ = *offered_;
-    if (!task.has_own_results()) series_ = static_cast<int>(protocol.series.size());
     lay_out();
   }
 
@@ -56,15 +55,11 @@ class StudyFit {
 
  private:
   bool choices() const noexcept { return answer_model_.response == ResponseModel::choice; }
-  double standard_of(int series) const {
-    return protocol_.series.empty() || task_of(protocol_.task.kind).has_own_results()
-               ? protocol_.stimulus.reference
-               : protocol_.series[static_cast<std::size_t>(series)].standard;
-  }
+  double standard_of(int standard) const { return standards_[static_cast<std::size_t>(standard)].value; }
   // What a level is divided by: of several standards, which may lie far apart, the standard.
-  double unit_of(int series) const { return model_.several_standards ? standard_of(series) : 1; }
+  double unit_of(int standard) const { return model_.several_standards ? standard_of(standard) : 1; }
   std::size_t place(const HierarchicalPerson& person) const noexcept {
-    return row_of(model_, protocol_, person.condition, person.series);
+    return row_of(model_, protocol_, person.condition, person.standard);
   }
 
   void lay_out();
@@ -85,7 +80,7 @@ class StudyFit {
   const Protocol& protocol_;
   std::optional<AnswerModel> offered_;
   AnswerModel answer_model_;
-  int series_ = 1;  // rows of a condition
+  std::vector<JudgedStandard> standards_;  // rows of a condition
   StudyHierarchical model_;
   std::vector<int> number_;               // of the participant of each cell, in the fit; -1 without trials
   std::vector<int> to_fit_;               // by row of a condition: its place in the fit; -1 without trials
@@ -94,8 +89,8 @@ class StudyFit {
 
 void StudyFit::lay_out() {
   for (std::size_t condition = 0; condition < protocol_.conditions.size(); ++condition)
-    for (int series = 0; series < series_; ++series)
-      model_.conditions.push_back({.condition = static_cast<int>(condition), .series = series});
+    for (std::size_t standard = 0; standard < standards_.size(); ++standard)
+      model_.conditions.push_back({.condition = static_cast<int>(condition), .standard = static_cast<int>(standard)});
   number_ = numbers_of(cells_);
   for (std::size_t i = 0; i < cells_.size(); ++i) {
     model_.trials += trials_of(cells_[i].counts);
@@ -111,9 +106,8 @@ void StudyFit::lay_out() {
   model_.lapse = answer_model_.lapse;
   model_.jnd_of_s = answer_model_.jnd_of_s;
   model_.pse_at_standard = answer_model_.pse_at_standard;
-  model_.several_standards = series_ > 1;
-  for (int series = 0; series < series_; ++series)
-    model_.several_standards = model_.several_standards && standard_of(series) > 0;
+  model_.several_standards = standards_.size() > 1;
+  for (const JudgedStandard& one : standards_) model_.several_standards = model_.several_standards && one.value > 0;
 }
 
 // Why there is no fit; empty where there is one.
@@ -134,8 +128,8 @@ std::string StudyFit::refusal() {
   if (choices() && !model_.pse_at_standard) {
     if (!(low < high)) return "the comparisons of all trials that count have one level";
   } else if (!(choices() && low < 0) && !(high > 0)) {
-    return task_of(protocol_.task.kind).has_own_results() ? "no trial with different stimuli counts"
-                                                          : "no trial counts whose level is not the standard";
+    return !task_of(protocol_.task.kind).has_pairs() ? "no trial counts whose level is not the standard"
+                                                     : "no trial with different stimuli counts";
   }
   model_.status = HierarchicalStatus::ok;
   return "";
@@ -147,7 +141,7 @@ std::vector<std::string> StudyFit::names() const {
   for (const std::size_t row : fitted_rows_) {
     const HierarchicalCondition& one = model_.conditions[row];
     names.push_back(protocol_.conditions[static_cast<std::size_t>(one.condition)].name);
-    if (series_ > 1) names.back() += ", " + protocol_.series[static_cast<std::size_t>(one.series)].name;
+    if (standards_.size() > 1) names.back() += ", " + standards_[static_cast<std::size_t>(one.standard)].name;
   }
   return names;
 }
@@ -158,7 +152,7 @@ std::vector<HierarchicalCell> StudyFit::cells_of_fit() const {
     const HierarchicalPerson& person = cells_[i].person;
     std::vector<HierarchicalCell> own;
     for (const LevelCount& one : cells_[i].counts) {
-      const double level = one.level / unit_of(person.series);
+      const double level = one.level / unit_of(person.standard);
       auto known = std::find_if(own.begin(), own.end(), [&](const HierarchicalCell& cell) {
         return cell.level == level && cell.second_half == one.second_half;
       });
@@ -195,7 +189,8 @@ void StudyFit::set_conditions(std::vector<HierarchicalCondition>& rows, const st
   for (std::size_t i = 0; i < found.size(); ++i) {
     const ConditionMean& mean = found[i];
     HierarchicalCondition& one = rows[fitted_rows_[i]];
-    const double unit = unit_of(one.series), jnd = answer_model_.jnd_of_s * unit, standard = standard_of(one.series);
+    const double unit = unit_of(one.standard), jnd = answer_model_.jnd_of_s * unit,
+                 standard = standard_of(one.standard);
     one.status = mean.status;
     one.spread = spread_of(mean.tv_status, mean.tv);
     one.jnd = jnd * std::exp(mean.mu);
@@ -219,7 +214,8 @@ void StudyFit::add_variants(const std::vector<HierarchicalCell>& cells, const Hi
     one.kind = found.kind;
     one.shared = std::move(found.shared);
     for (const HierarchicalCondition& row : model_.conditions)
-      one.conditions.push_back({.condition = row.condition, .series = row.series, .participants = row.participants});
+      one.conditions.push_back(
+          {.condition = row.condition, .standard = row.standard, .participants = row.participants});
     set_conditions(one.conditions, found.conditions);
     if (found.kind != VariantKind::lapse) continue;
     if (std::string caution = lapse_caution(one.shared.front()); !caution.empty())
@@ -240,7 +236,7 @@ std::vector<std::pair<std::size_t, std::size_t>> StudyFit::pairs() const {
   std::vector<std::pair<std::size_t, std::size_t>> pairs;
   for (std::size_t a = 0; a < fitted_rows_.size(); ++a)
     for (std::size_t b = a + 1; b < fitted_rows_.size(); ++b)
-      if (model_.conditions[fitted_rows_[a]].series == model_.conditions[fitted_rows_[b]].series)
+      if (model_.conditions[fitted_rows_[a]].standard == model_.conditions[fitted_rows_[b]].standard)
         pairs.emplace_back(a, b);
   return pairs;
 }
@@ -251,7 +247,7 @@ void StudyFit::add_ratios(const std::vector<ConditionDifference>& differences) {
     HierarchicalRatio& one = model_.ratios.emplace_back();
     one.a = of_a.condition;
     one.b = model_.conditions[fitted_rows_[found.b]].condition;
-    one.series = of_a.series;
+    one.standard = of_a.standard;
     one.participants = in_both(fitted_rows_[found.a], fitted_rows_[found.b]);
     one.defined = !std::isnan(found.difference);
     one.ratio = std::exp(found.difference);
@@ -272,7 +268,7 @@ void StudyFit::add_people(const std::vector<PersonEstimate>& people) {
     const HierarchicalCondition& group = model_.conditions[row];
     const PersonEstimate& found =
         people[static_cast<std::size_t>(number_[i]) * fitted_rows_.size() + static_cast<std::size_t>(to_fit_[row])];
-    const double unit = unit_of(one.series), jnd = answer_model_.jnd_of_s * unit;
+    const double unit = unit_of(one.standard), jnd = answer_model_.jnd_of_s * unit;
     one.alone_status = found.status;
     one.alone = jnd * std::exp(found.alone);
     if (!std::isnan(group.criterion)) one.criterion = choices() ? unit * found.criterion : found.criterion;
@@ -319,7 +315,7 @@ StudyHierarchical StudyFit::fitted(std::string separate, bool given_levels) {
   if (has(SlopeStatus::ok) && !has(SlopeStatus::no_sensitivity, SlopeStatus::ceiling) && people >= kLeastInVariants &&
       people <= kMostInDetail)
     add_variants(answered, of);
-  if (series_ > 1) return model_;
+  if (standards_.size() > 1) return model_;
   model_.equal_lr = fit.lr;
   model_.equal_p = fit.p;
   model_.equal_df = fit.df;
@@ -333,19 +329,6 @@ void StudyFit::add_check(const std::vector<HierarchicalCell>& cells, const Hiera
   constexpr std::uint64_t kCheckSeed = 1;  // the same for every study of the same answers
   model_.check = predictive_check(cells, of, place, kPredictiveDraws, kCheckSeed);
   for (PredictiveRow& row : model_.check->rows) row.condition = fitted_rows_[row.condition];
-}
-
-// level: of trials with different stimuli; same_level: of the others.
-void add_level_counts(std::vector<LevelCount>& answers, const CellResult& cell, double level, double same_level) {
-  for (const bool second_half : {false, true}) {
-    const auto& [counts, sure] = cell.halves[second_half ? 1 : 0];
-    if (counts.n_diff > 0)
-      answers.push_back(
-          {level, counts.hits, counts.n_diff - counts.hits, second_half, sure.hits, sure.n_diff - sure.hits});
-    if (counts.n_same > 0)
-      answers.push_back({same_level, counts.false_alarms, counts.n_same - counts.false_alarms, second_half,
-                         sure.false_alarms, sure.n_same - sure.false_alarms});
-  }
 }
 
 JndStatus status_of(SlopeStatus alone) {
@@ -374,79 +357,48 @@ void take_alone(StudyHierarchical& model) {
 // A task's own statuses, in the words that all studies share.
 JndStatus status_of(const TaskEstimate& estimate, const std::string& status) {
   if (estimate.value && std::isfinite(*estimate.value)) return JndStatus::ok;
+  if (estimate.beyond != Beyond::no)
+    return estimate.beyond == Beyond::above ? JndStatus::no_sensitivity : JndStatus::ceiling;
   return status == "separated" ? JndStatus::ceiling
          : status == "flat"    ? JndStatus::no_sensitivity
                                : JndStatus::no_information;
 }
 
+std::string separate_words(const TaskResults& results, bool registered, const Protocol& protocol) {
+  if (!results.cells.empty()) return describe(results.pairs.method);
+  return registered && has_posterior_threshold(protocol) ? "the posterior of the procedure's own response model"
+                                                         : "maximum likelihood";
+}
+
 }  // namespace
-
-StudyHierarchical study_hierarchical(const StudyAnalysis& analysis, const Protocol& protocol) {
-  const std::size_t series = protocol.series.size();
-  const AnswerModel observer = task_of(protocol.task.kind).answer_model(protocol).value_or(AnswerModel());
-  std::vector<AnsweredCell> cells;
-  for (std::size_t row = 0; row < analysis.thresholds.size(); ++row) {
-    const ThresholdResult& threshold = analysis.thresholds[row];
-    AnsweredCell& cell = cells.emplace_back();
-    cell.person.participant = threshold.participant;
-    cell.person.group = threshold.group;
-    cell.person.condition = threshold.condition;
-    cell.person.separate_status = threshold.jnd.status;
-    if (threshold.jnd.status == JndStatus::ok) cell.person.separate = threshold.jnd.jnd;
-    for (std::size_t i = row * series; i < (row + 1) * series; ++i) {
-      const double level = analysis.cells[i].difference;
-      add_level_counts(cell.counts, analysis.cells[i], level, observer.level_of_equal(level));
-    }
-  }
-  const bool given = std::all_of(analysis.cells.begin(), analysis.cells.end(), [](const CellResult& cell) {
-    return cell.difference_source == DifferenceSource::nominal;
-  });
-  return StudyFit(std::move(cells), protocol).fitted(describe(analysis.method), given);
-}
-
-StudyHierarchical study_hierarchical(const AdaptiveResults& results, const Protocol& protocol) {
-  const bool jnds = threshold_source(protocol) == ThresholdSource::answers;
-  std::vector<AnsweredCell> cells;
-  for (const AdaptiveRow& row : results.rows) {
-    if (row.track != 0) continue;
-    AnsweredCell& cell = cells.emplace_back();
-    cell.person.participant = row.participant;
-    cell.person.group = row.group;
-    cell.person.condition = row.condition;
-    cell.counts = row.answers;
-    if (!jnds || row.threshold.status != AdaptiveStatus::ok) continue;
-    cell.person.separate = row.threshold.threshold;
-    cell.person.separate_status = JndStatus::ok;
-  }
-  StudyHierarchical model =
-      StudyFit(std::move(cells), protocol)
-          .fitted(jnds ? "the posterior of the procedure's own response model" : "maximum likelihood", false);
-  if (!jnds) take_alone(model);
-  return model;
-}
 
 StudyHierarchical study_hierarchical(const TaskResults& results, const Protocol& protocol) {
   const std::optional<AnswerModel> answers = task_of(protocol.task.kind).answer_model(protocol);
-  std::size_t jnd = results.outcomes.size();
-  for (std::size_t i = 0; answers && i < results.outcomes.size(); ++i)
-    if (results.outcomes[i].key == answers->jnd) jnd = i;
+  std::size_t jnd = 0;
+  const std::string_view key = answers.value_or(AnswerModel()).jnd;
+  while (jnd < results.outcomes.size() && results.outcomes[jnd].key != key) ++jnd;
+  const bool registered = jnd < results.outcomes.size();  // what is measured is a JND
   std::vector<AnsweredCell> cells;
   for (const TaskEstimateRow& row : results.estimates) {
     AnsweredCell& cell = cells.emplace_back();
     cell.person.participant = row.participant;
     cell.person.group = row.group;
     cell.person.condition = row.condition;
-    cell.person.series = row.series;
+    cell.person.standard = row.standard;
     cell.counts = row.answers;
-    if (jnd == results.outcomes.size()) continue;
+    if (!registered) continue;
     const TaskEstimate& estimate = row.estimates.values[jnd];
     cell.person.separate_status = status_of(estimate, row.estimates.status);
     if (cell.person.separate_status == JndStatus::ok) cell.person.separate = *estimate.value;
   }
-  return StudyFit(std::move(cells), protocol)
-      .fitted(has_posterior_threshold(protocol) ? "the posterior of the procedure's own response model"
-                                                : "maximum likelihood",
-              false);
+  const bool given =
+      !results.cells.empty() && std::all_of(results.cells.begin(), results.cells.end(), [](const CellResult& cell) {
+        return cell.difference_source == DifferenceSource::nominal;
+      });
+  StudyHierarchical model =
+      StudyFit(std::move(cells), protocol).fitted(separate_words(results, registered, protocol), given);
+  if (!registered) take_alone(model);
+  return model;
 }
 
 void add_without_bias(std::vector<HierarchicalCell>& cells, HierarchicalCell cell) {
@@ -472,13 +424,12 @@ std::string_view status_word(const StudyHierarchical& model, const HierarchicalC
                                                          : word_of(kHierarchicalStatusWords, model.status);
 }
 
-std::size_t row_of(const StudyHierarchical& model, const Protocol& protocol, int condition, int series) noexcept {
+std::size_t row_of(const StudyHierarchical& model, const Protocol& protocol, int condition, int standard) noexcept {
   const std::size_t of_condition = model.conditions.size() / protocol.conditions.size();
-  return static_cast<std::size_t>(condition) * of_condition + static_cast<std::size_t>(series);
+  return static_cast<std::size_t>(condition) * of_condition + static_cast<std::size_t>(standard);
 }
 
 std::string jnd_title(const Protocol& protocol) {
-  if (task_of(protocol.task.kind).has_own_results()) return "JND";
   const std::optional<AnswerModel> answers = task_of(protocol.task.kind).answer_model(protocol);
   for (const TaskOutcome& outcome : measured_outcomes(protocol))
     if (answers && outcome.key == answers->jnd) return std::string(outcome.title);

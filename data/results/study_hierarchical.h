@@ -14,9 +14,7 @@
 #include "analysis/hierarchical/predictive_check.h"
 #include "analysis/numerics/special_values.h"
 #include "analysis/numerics/words.h"
-#include "data/results/adaptive_results.h"
 #include "data/results/hierarchical_words.h"
-#include "data/results/study_analysis.h"
 #include "data/task_results/task_results.h"
 #include "protocols/protocol.h"
 
@@ -43,10 +41,10 @@ struct HierarchicalSpread {
   double sd = kNaN;  // NaN where it is not identified
 };
 
-// Of everyone, in one condition, and of other tasks at one standard. JNDs in the study's unit, as the study means them.
+// Of everyone, in one condition and at one standard. JNDs in the study's unit, as the study means them.
 struct HierarchicalCondition {
-  int condition = 0, series = 0;  // places in the protocol; of same-different all series
-  int participants = 0;           // with counted trials there
+  int condition = 0, standard = 0;  // places in Protocol::conditions and judged_standards()
+  int participants = 0;             // with counted trials there
   SlopeStatus status = SlopeStatus::missing;
   HierarchicalSpread spread{};           // of ln JND over persons, where each condition has its own
   double jnd = kNaN;                     // of the median person, exp(mu) times what makes a JND of s; NaN unless ok
@@ -63,7 +61,7 @@ struct HierarchicalCondition {
 // JND of a / JND of b, of all pairs of conditions that have trials, at one standard.
 struct HierarchicalRatio {
   int a = 0, b = 0;                                    // places in the protocol
-  int series = 0;                                      // likewise
+  int standard = 0;                                    // place in judged_standards()
   int participants = 0;                                // with counted trials in both
   bool defined = false;                                // both have a JND; otherwise ratio and interval are NaN
   double ratio = kNaN, ci_low = kNaN, ci_high = kNaN;  // 95 % by profile likelihood, as above
@@ -84,8 +82,8 @@ inline constexpr auto kShrunkenStatusWords = words<ShrunkenStatus>(
 // One participant, condition and standard.
 struct HierarchicalPerson {
   std::string participant;
-  std::optional<int> group;       // place in Protocol::groups
-  int condition = 0, series = 0;  // as in HierarchicalCondition
+  std::optional<int> group;         // place in Protocol::groups
+  int condition = 0, standard = 0;  // as in HierarchicalCondition
   ShrunkenStatus status = ShrunkenStatus::missing;
   double jnd = kNaN;    // exp of the mean of ln JND given everybody's answers, at the group's estimates
   double ln_sd = kNaN;  // the standard deviation of ln JND, given the same (kPersonRange); NaN if people are alike()
@@ -147,11 +145,8 @@ struct StudyHierarchical {
 // What everyone who reads a number of it is told.
 std::string hierarchical_assumptions(const StudyHierarchical& model);
 
-// Of the trials that count, by maximum likelihood. A fraction of a second for twenty people, some seconds for the most.
-StudyHierarchical study_hierarchical(const StudyAnalysis& analysis, const Protocol& protocol);
-// Of same-different with a procedure: the answers tell the JND whatever chose their levels (likelihood principle).
-StudyHierarchical study_hierarchical(const AdaptiveResults& results, const Protocol& protocol);
-// Of another task with an answer_model().
+// Of the trials that count, by maximum likelihood, of a task with an answer_model(), whatever chose their levels (likelihood
+// principle). A fraction of a second for twenty people, some seconds for the most.
 StudyHierarchical study_hierarchical(const TaskResults& results, const Protocol& protocol);
 
 // A cell of choices for a model whose PSE is the standard: half of every trial as it was, half mirrored, as what was lost
@@ -163,7 +158,7 @@ void add_without_bias(std::vector<HierarchicalCell>& cells, HierarchicalCell cel
 std::string_view status_word(const StudyHierarchical& model, const HierarchicalCondition& row) noexcept;
 
 // The row of a condition and standard, its place in StudyHierarchical::conditions.
-std::size_t row_of(const StudyHierarchical& model, const Protocol& protocol, int condition, int series) noexcept;
+std::size_t row_of(const StudyHierarchical& model, const Protocol& protocol, int condition, int standard) noexcept;
 
 // What tables call the JND: "JND", "JND (75 %)", "threshold".
 std::string jnd_title(const Protocol& protocol);

@@ -7,8 +7,7 @@
 
 #include "analysis/detection/detection_row.h"
 #include "analysis/thresholds/fit_quality.h"
-#include "data/results/study_analysis.h"
-#include "data/results/threshold_method.h"
+#include "data/task_results/task_results.h"
 #include "protocols/protocol.h"
 
 namespace jnd {
@@ -32,9 +31,6 @@ struct StudyModels {
   std::vector<ThresholdModel> thresholds;  // by participant, condition, method
   std::vector<CellModel> cells;            // by participant, condition, series
 };
-StudyModels study_models(const StudyAnalysis& analysis, const Protocol& protocol);
-
-// The series of thresholds[row], as every estimate takes them.
-std::vector<SeriesCounts> series_of_threshold(const StudyAnalysis& analysis, const Protocol& protocol, std::size_t row);
+StudyModels study_models(const TaskResults& results, const Protocol& protocol);
 
 }  // namespace jnd

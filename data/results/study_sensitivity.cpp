@@ -4,45 +4,36 @@
 
 #include "analysis/numerics/special_values.h"
 #include "data/results/study_comparisons.h"
-#include "data/results/study_models.h"
 
 namespace jnd {
 
 namespace {
 
 // The same cells under another method.
-std::vector<ThresholdResult> thresholds_under(const StudyAnalysis& analysis, const Protocol& protocol,
-                                              const ThresholdMethod& method) {
-  std::vector<ThresholdResult> thresholds;
-  for (std::size_t row = 0; row < analysis.thresholds.size(); ++row) {
-    const std::vector<SeriesCounts> counts = series_of_threshold(analysis, protocol, row);
-    ThresholdResult threshold;
-    threshold.participant = analysis.thresholds[row].participant;
-    threshold.condition = analysis.thresholds[row].condition;
-    threshold.group = analysis.thresholds[row].group;
-    threshold.jnd = estimate_jnd(counts, protocol.stimulus.reference, method.method, method.correction);
-    thresholds.push_back(std::move(threshold));
+TaskResults results_under(const TaskResults& results, const Protocol& protocol, const ThresholdMethod& method) {
+  TaskResults other = empty_task_results(protocol);
+  for (std::size_t row = 0; row < results.estimates.size(); ++row) {
+    const TaskEstimateRow& of = results.estimates[row];
+    TaskEstimateRow& one = other.estimates.emplace_back();
+    one.participant = of.participant;
+    one.condition = of.condition;
+    one.group = of.group;
+    one.estimates = estimates_of(
+        estimate_jnd(series_of(results, protocol, row), protocol.stimulus.reference, method.method, method.correction),
+        protocol.stimulus.reference);
   }
-  return thresholds;
+  add_group(other, protocol);
+  return other;
 }
 
-SensitivityRow row_of(const std::vector<ThresholdResult>& thresholds, const Protocol& protocol,
-                      const ThresholdMethod& method) {
+SensitivityRow row_of(TaskResults results, const Protocol& protocol, const ThresholdMethod& method) {
   SensitivityRow row;
   row.method = method;
   const std::size_t conditions = protocol.conditions.size();
-  row.participants = static_cast<int>(by_participant(thresholds, conditions).size());
-  for (std::size_t condition = 0; condition < conditions; ++condition) {
-    std::vector<JndEstimate> estimates;
-    for (const ThresholdResult& threshold : thresholds)
-      if (threshold.condition == static_cast<int>(condition)) estimates.push_back(threshold.jnd);
-    const JndGroup group = jnd_group(estimates);
-    row.median_status.push_back(group.median_status);
-    row.median_jnd.push_back(group.median_jnd);
-    row.mean_jnd.push_back(group.mean_jnd.mean);
-    row.n_ok.push_back(group.mean_jnd.n);
-  }
-  const OutcomeComparison outcome = compare_thresholds(thresholds, protocol, protocol.analysis.tests.outcome);
+  row.participants = static_cast<int>(by_participant(results.estimates, conditions).size());
+  const OutcomeComparison outcome = compare_task(results, protocol);
+  for (TaskGroupRow& of : results.group)
+    if (results.outcomes[of.outcome].key == "jnd") row.group.push_back(std::move(of));
   row.n = static_cast<int>(outcome.table.n);
   row.refused = outcome.refused;
   const bool tested = outcome.refused.empty();
@@ -86,10 +77,10 @@ bool decides_alike(const SensitivityRow& row, const SensitivityRow& registered, 
 
 }  // namespace
 
-std::vector<SensitivityRow> study_sensitivity(const StudyAnalysis& analysis, const Protocol& protocol) {
+std::vector<SensitivityRow> study_sensitivity(const TaskResults& results, const Protocol& protocol) {
   std::vector<SensitivityRow> rows;
   for (const ThresholdMethod& method : all_methods(registered_method(protocol))) {
-    rows.push_back(row_of(thresholds_under(analysis, protocol, method), protocol, method));
+    rows.push_back(row_of(results_under(results, protocol, method), protocol, method));
     rows.back().registered = rows.size() == 1;
     rows.back().same_conclusion = decides_alike(rows.back(), rows.front(), protocol.analysis.tests.alpha);
   }

@@ -4,8 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "data/results/study_analysis.h"
-#include "data/results/threshold_method.h"
+#include "data/task_results/task_results.h"
 #include "protocols/protocol.h"
 
 namespace jnd {
@@ -13,11 +12,7 @@ namespace jnd {
 struct SensitivityRow {
   ThresholdMethod method;
   bool registered = false;
-  // By condition, in the study's unit, as in JndGroup: the median is a number only where its status is ok, or
-  // no_sensitivity (inf); the mean is over status ok.
-  std::vector<JndStatus> median_status;
-  std::vector<double> median_jnd, mean_jnd;
-  std::vector<int> n_ok;
+  std::vector<TaskGroupRow> group;     // of the JND, by condition
   int n = 0;                           // participants in the tests
   int participants = 0;                // of all
   double omnibus_p = 0;                // NaN where there is none
@@ -29,7 +24,7 @@ struct SensitivityRow {
   bool same_conclusion = false;
 };
 
-// The registered method first. Tests run on what the plan registers (slope, JND or its logarithm).
-std::vector<SensitivityRow> study_sensitivity(const StudyAnalysis& analysis, const Protocol& protocol);
+// Of pairs at given levels; the registered method first. Tests run on what the plan registers (slope, JND or its logarithm).
+std::vector<SensitivityRow> study_sensitivity(const TaskResults& results, const Protocol& protocol);
 
 }  // namespace jnd

@@ -38,11 +38,12 @@ BlindingState blinding_of(const Study& study, const Protocol& protocol, SessionK
 }
 
 bool plan_sealed(const Study& study, const Protocol& protocol) {
-  if (!blinding_of(study, protocol, SessionKind::real).blinded) return false;
+  if (!protocol.blinded) return false;
   const std::vector<SessionInfo> sessions = study.sessions();
-  return sessions.empty() || std::any_of(sessions.begin(), sessions.end(), [](const SessionInfo& session) {
-           return session.kind != SessionKind::simulated;
-         });
+  const bool of_people = sessions.empty() || std::any_of(sessions.begin(), sessions.end(), [](const SessionInfo& one) {
+                           return one.kind != SessionKind::simulated;
+                         });
+  return of_people && blinding_of(study, protocol, SessionKind::real).blinded;
 }
 
 std::string seed_text(const Study& study, const Protocol& protocol, std::string_view sealed) {

@@ -199,7 +199,8 @@ bool can_end_early(const AdaptiveProcedure& procedure) noexcept {
 }
 
 bool can_end_early(const Protocol& protocol) noexcept {
-  return protocol.design.procedure && can_end_early(*protocol.design.procedure);
+  const auto& procedure = protocol.design.procedure;
+  return procedure && can_end_early(*procedure);
 }
 
 std::string early_end_of(const AdaptiveProcedure& procedure) {
@@ -212,9 +213,10 @@ std::string early_end_of(const AdaptiveProcedure& procedure) {
 
 std::string early_end_note(const Protocol& protocol) {
   if (!can_end_early(protocol)) return {};
-  const bool reversals = protocol.design.procedure->reversals > 0;
+  const AdaptiveProcedure& procedure = *protocol.design.procedure;
+  const bool reversals = procedure.reversals > 0;
   return fmt::format("A track that has {}{} leaves the trials that are planned for it after {}.\n",
-                     reversals ? "its " : "", early_end_of(*protocol.design.procedure), reversals ? "them" : "that");
+                     reversals ? "its " : "", early_end_of(procedure), reversals ? "them" : "that");
 }
 
 std::string_view to_string(AdaptiveProcedure::Kind kind) noexcept {

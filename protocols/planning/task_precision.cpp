@@ -66,12 +66,7 @@ Simulated simulated(const Protocol& protocol, int participant, const TaskPrecisi
 }
 
 TaskEstimates estimates_of(const Simulated& participant, const Protocol& protocol, std::size_t series) {
-  if (task_of(protocol.task.kind).evidence(protocol) == Evidence::answers)
-    return measured_estimates(protocol, protocol.series[series], participant.answers[series],
-                              participant.tracks[series]);
-  const AdaptiveThreshold threshold = condition_threshold(participant.tracks[series], protocol);
-  return {std::string(to_string(threshold.status)),
-          {posterior_estimate(threshold), posterior_estimate(threshold, 1 / protocol.stimulus.reference)}};
+  return measured_estimates(protocol, protocol.series[series], participant.answers[series], participant.tracks[series]);
 }
 
 void summarize(TaskPrecisionRow& row, const std::vector<double>& values, int participants) {

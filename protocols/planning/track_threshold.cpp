@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "analysis/numerics/special_values.h"
+#include "protocols/tasks/level_source.h"
 #include "protocols/tasks/posterior_model.h"
 
 namespace jnd {
@@ -20,9 +21,17 @@ AdaptiveThreshold by_answers(std::span<const AdaptiveTrack> tracks, const Protoc
   return posterior_of_answers(posterior_model(protocol, protocol.series.front()).configuration, answers).threshold;
 }
 
+// Beside the task's own outcomes.
 bool tracks_have_threshold(const Protocol& protocol) {
-  return protocol.design.procedure && !task_of(protocol.task.kind).has_own_results() &&
+  return !levels_given(protocol) && task_of(protocol.task.kind).evidence(protocol) != Evidence::tracks &&
          threshold_source(protocol) != ThresholdSource::answers;
+}
+
+// A threshold, and its share of the reference, with the middle 95 % of its posterior where it has one.
+TaskEstimates estimates_of(const AdaptiveThreshold& threshold, double reference) {
+  return {std::string(to_string(threshold.status)),
+          {posterior_estimate(threshold), posterior_estimate(threshold, 1 / reference)},
+          threshold.tracks};
 }
 
 }  // namespace
@@ -81,28 +90,32 @@ std::vector<TaskOutcome> measured_outcomes(const Protocol& protocol) {
     const double target = adaptive_target(procedure).value_or(kNaN);
     outcomes.push_back(
         {kTrackThreshold, std::abs(target - 0.5) < 1e-9 ? "PSE by reversals" : "level by reversals",
-         to_string(protocol.stimulus.unit),
+         std::string(to_string(protocol.stimulus.unit)),
          fmt::format("comparison that is said to have more in {:.1f} %: mean of the last {} reversals of "
                      "each track",
                      100 * target, procedure.averaged_reversals),
-         4, false});
+         false});
     return outcomes;
   }
   outcomes.push_back(
-      {kTrackThreshold, reversals ? "threshold by reversals" : "threshold by QUEST", to_string(protocol.stimulus.unit),
+      {kTrackThreshold, reversals ? "threshold by reversals" : "threshold by QUEST",
+       std::string(to_string(protocol.stimulus.unit)),
        fmt::format("difference from the standard at {:.1f} % correct: {}",
                    100 * adaptive_target(procedure).value_or(kNaN),
                    reversals ? fmt::format("mean of the last {} reversals of each track", procedure.averaged_reversals)
                              : std::string("ten to the posterior mean of its logarithm")),
-       4, true});
+       true});
   return outcomes;
 }
 
 TaskEstimates measured_estimates(const Protocol& protocol, const Series& series, std::span<const AnsweredTrial> trials,
                                  std::span<const AdaptiveTrack> tracks) {
-  TaskEstimates estimates = task_of(protocol.task.kind).estimate(protocol, series, trials);
+  const Task& task = task_of(protocol.task.kind);
+  const auto of_tracks = [&] { return tracks.empty() ? AdaptiveThreshold{} : condition_threshold(tracks, protocol); };
+  if (task.evidence(protocol) == Evidence::tracks) return estimates_of(of_tracks(), protocol.stimulus.reference);
+  TaskEstimates estimates = task.estimate(protocol, series, trials);
   if (!tracks_have_threshold(protocol)) return estimates;
-  const AdaptiveThreshold threshold = tracks.empty() ? AdaptiveThreshold{} : condition_threshold(tracks, protocol);
+  const AdaptiveThreshold threshold = of_tracks();
   estimates.values.push_back(threshold.status == AdaptiveStatus::ok
                                  ? TaskEstimate{.value = threshold.threshold, .prior_weight = threshold.prior_weight}
                                  : TaskEstimate{});

@@ -30,8 +30,8 @@ std::optional<double> adaptive_target(const AdaptiveProcedure& procedure);
 
 // Key of the outcome of the tracks.
 inline constexpr std::string_view kTrackThreshold = "track_threshold";
-// What a study measures: the task's outcomes, and behind them, of a staircase or QUEST, what its tracks come to. Of
-// same-different that is the task's own outcome.
+// What a study measures: the task's outcomes, and behind them, of a staircase or QUEST, what its tracks come to, where that
+// is not the task's own outcome.
 std::vector<TaskOutcome> measured_outcomes(const Protocol& protocol);
 // Of one participant, condition and series: the task's estimates and that of its tracks, which may be empty.
 TaskEstimates measured_estimates(const Protocol& protocol, const Series& series, std::span<const AnsweredTrial> trials,

@@ -157,12 +157,14 @@ void look_at_question(JsonReader& reader, const PublishedValue& value, ProtocolR
   else if (asked == questions.end())
     reader.error("question", fmt::format("there is no question {}", in_quotes(value.question)),
                  "write the id of one of $.questions");
+  else if (value.standard >= 0 && asked->when != Question::When::after_series)
+    reader.error("standard", fmt::format("{} is not asked after each series", in_quotes(value.question)), "remove it");
 }
 
 // Of free interaction: there are ratings alone, so what belongs to d' has no meaning.
 void read_analysis_of_ratings(JsonReader& reader, ProtocolReading& reading) {
   reader.refuse({"model", "correction", "jnd", "criterion", "stiffness", "unfinished_tracks", "group", "exclude",
-                 "outcome", "jnd_convention", "lapse"},
+                 "outcome", "standard", "jnd_convention", "lapse"},
                 "has no meaning with the paradigm \"explore\"", "remove it: there are no trials");
   if (const JsonNode* contrasts = reader.array_or_null("contrasts", 0, 190)) read_contrasts(*contrasts, reading);
   if (const JsonNode* tests = reader.object_or_null("tests")) {
@@ -176,6 +178,19 @@ void read_analysis_of_ratings(JsonReader& reader, ProtocolReading& reading) {
   reader.finish();
 }
 
+// The member "standard", where there are several: a place in Protocol::series, or -1.
+int read_standard(JsonReader& reader, const ProtocolReading& reading) {
+  if (reading.has_pairs() || reading.explores() || !has_valued_standards(reading.protocol)) {
+    reader.refuse({"standard"}, "belongs to tasks with standards", "remove it");
+    return -1;
+  }
+  JsonReader::Words<int> places;
+  for (const Series& series : reading.protocol.series)
+    places.emplace_back(series.name, static_cast<int>(places.size()));
+  if (places.empty()) return (void)reader.member("standard"), -1;  // they are reported
+  return reader.one_of_or<int>("standard", places, -1);
+}
+
 // Of the tasks whose estimates are the task's own.
 void read_analysis_of_task(const JsonNode& node, JsonReader& reader, ProtocolReading& reading) {
   AnalysisPlan& analysis = reading.protocol.analysis;
@@ -187,6 +202,7 @@ void read_analysis_of_task(const JsonNode& node, JsonReader& reader, ProtocolRea
   const auto outcomes = measured_outcomes(reading.protocol);
   for (const TaskOutcome& outcome : outcomes) keys.emplace_back(outcome.key, std::string(outcome.key));
   analysis.outcome = reader.one_of_or<std::string>("outcome", keys, std::string(outcomes.front().key));
+  analysis.standard = read_standard(reader, reading);
   analysis.jnd_convention = reader.one_of_or<std::string>(
       "jnd_convention", {{"75 %", "75 %"}, {"84 %", "84 %"}, {"d'=1", "d'=1"}}, analysis.jnd_convention);
   if (const JsonNode* lapse = reader.member("lapse")) {
@@ -233,13 +249,14 @@ JsonReader::Words<std::string> published_quantities(const ProtocolReading& readi
 }  // namespace
 
 void read_published(const JsonNode& list, ProtocolReading& reading) {
-  std::set<std::tuple<std::string, std::string, std::string>> seen;
+  std::set<std::tuple<std::string, int, std::string, std::string>> seen;
   for (const JsonNode& item : list.items) {
     PublishedValue value;
     JsonReader reader(item, reading.errors, reading.file);
     value.condition = reader.text("condition", {.max_length = 100});
     if (const JsonNode* condition = item.find("condition"); condition != nullptr && reading.sound(condition->path))
       (void)condition_place(*condition, reading);
+    value.standard = read_standard(reader, reading);
     value.quantity = reader.one_of<std::string>("quantity", published_quantities(reading));
     const Unit unit = reading.protocol.stimulus.unit;
     NumberLimits limits{.min = 0, .max = value_limits(reading.protocol).max, .above = true, .unit = to_string(unit)};
@@ -253,7 +270,8 @@ void read_published(const JsonNode& list, ProtocolReading& reading) {
     look_at_question(reader, value, reading);
     value.note = reader.text_or("note", "", {.max_length = 500});
     reader.finish();
-    if (reading.sound(item.path) && !seen.insert({value.condition, value.quantity, value.question}).second)
+    if (reading.sound(item.path) &&
+        !seen.insert({value.condition, value.standard, value.quantity, value.question}).second)
       reading.error(item, fmt::format("the {} of {} is given twice", value.quantity, in_quotes(value.condition)),
                     "remove one");
     reading.protocol.published.push_back(std::move(value));
@@ -284,7 +302,7 @@ void read_analysis(const JsonNode& node, ProtocolReading& reading) {
   JsonReader reader(node, reading.errors, reading.file);
   if (reading.explores()) return read_analysis_of_ratings(reader, reading);
   if (!reading.has_pairs()) return read_analysis_of_task(node, reader, reading);
-  reader.refuse({"outcome", "jnd_convention", "lapse"}, "has no meaning with the task \"same-different\"",
+  reader.refuse({"outcome", "standard", "jnd_convention", "lapse"}, "has no meaning with the task \"same-different\"",
                 "remove it: \"model\" and \"jnd\" say it");
   analysis.model = reader.one_of<std::string>(
       "model",

@@ -129,14 +129,13 @@ Answer AdjustTask::answer(std::span<const Felt> felt, const Trial&, const Protoc
 }
 
 std::vector<TaskOutcome> AdjustTask::outcomes(const Protocol& protocol) const {
-  const std::string_view unit = to_string(protocol.stimulus.unit);
-  return {
-      {"jnd", "JND", unit, "0.6745 SD of the settings: half of them lie nearer to their mean", 4, true},
-      {"weber", "Weber fraction", "", "jnd / standard", 3, true, true},
-      {"pse", "PSE", unit, "mean setting", 4, false},
-      {"bias", "constant error", unit, "PSE less the standard", 4, false},
-      {"start_effect", "start effect", unit, "mean of the settings from above less that from below", 3, false},
-      {"variable_error", "variable error", unit, "SD of the settings about the mean of their starting side", 3, true}};
+  const std::string unit(to_string(protocol.stimulus.unit));
+  return {{"jnd", "JND", unit, "0.6745 SD of the settings: half of them lie nearer to their mean", true},
+          {"weber", "Weber fraction", "", "jnd / standard", true, true},
+          {"pse", "PSE", unit, "mean setting", false},
+          {"bias", "constant error", unit, "PSE less the standard", false},
+          {"start_effect", "start effect", unit, "mean of the settings from above less that from below", false},
+          {"variable_error", "variable error", unit, "SD of the settings about the mean of their starting side", true}};
 }
 
 TaskEstimates AdjustTask::estimate(const Protocol& protocol, const Series& series,

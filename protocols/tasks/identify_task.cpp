@@ -21,8 +21,8 @@ TaskStart IdentifyTask::start() const {
 // Its classes are read with the levels: each has a name and a value.
 void IdentifyTask::read(JsonReader&, TaskSpec&) const {}
 
-std::vector<DrawnTrial> IdentifyTask::arrangements(const CellDraw& cell, double value, int) const {
-  return {{{value}, target_of({value}, 0, cell.protocol.task)}};
+std::vector<DrawnTrial> IdentifyTask::arrangements(const CellDraw& cell, double comparison, int) const {
+  return {{{comparison}, target_of({comparison}, 0, cell.protocol.task)}};
 }
 
 int IdentifyTask::target_of(const Intervals& stimuli, double, const TaskSpec& spec) const noexcept {
@@ -42,13 +42,14 @@ Answer IdentifyTask::answer(std::span<const Felt> felt, const Trial&, const Prot
 
 std::vector<TaskOutcome> IdentifyTask::outcomes(const Protocol&) const {
   return {
-      {"information", "information", "bit", "transmitted, from the counts as they are (biased upwards)", 3, true},
+      {"information", "information", "bit", "transmitted, from the counts as they are (biased upwards)", true},
       {"information_corrected", "corrected", "bit",
        "information corrected for its bias by the jackknife: N I - (N - 1) times the mean information without one trial",
-       3, false},
-      {"classes", "equivalent classes", "", "2 to the power of the information", 3, true},
-      {"correct", "share correct", "", "share of correct answers, exact interval", 3, true},
-      {"total_dprime", "total d'", "", "sum of d' between neighbours, maximum likelihood", 3, false}};
+       false},
+      {"classes", "equivalent classes", "", "2 to the power of the information", true},
+      share_of_correct(),
+      {"total_dprime", "total d'", "", "sum of d' between neighbours, maximum likelihood", false, false, false, false,
+       true}};
 }
 
 TaskEstimates IdentifyTask::estimate(const Protocol& protocol, const Series&,
@@ -65,6 +66,7 @@ TaskEstimates IdentifyTask::estimate(const Protocol& protocol, const Series&,
       task_estimate(found.information_bits), task_estimate(found.jackknife_bits),
       task_estimate(found.equivalent_classes), share_correct(trials),
       found.ml.status == IdentificationStatus::ok ? task_estimate(found.ml.total_dprime) : TaskEstimate{}};
+  if (found.ml.status != IdentificationStatus::ok) estimates.values.back().why = to_string(found.ml.status);
   return estimates;
 }
 

@@ -1,6 +1,7 @@
 #include "protocols/tasks/level_source.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -14,7 +15,7 @@ bool levels_given(const Protocol& protocol) noexcept {
 }
 
 std::vector<int> sides_of_comparisons(const Protocol& protocol, const Series& series) {
-  if (protocol.design.procedure) return protocol.design.procedure->sides;
+  if (const auto& procedure = protocol.design.procedure) return procedure->sides;
   std::vector<int> sides;
   for (const double level : series.levels) {
     const int side = level < series.standard ? -1 : level > series.standard ? 1 : 0;
@@ -24,12 +25,27 @@ std::vector<int> sides_of_comparisons(const Protocol& protocol, const Series& se
 }
 
 std::vector<double> extreme_comparisons(const Protocol& protocol, const Series& series) {
-  if (!protocol.design.procedure) return series.levels;
-  const AdaptiveProcedure& procedure = *protocol.design.procedure;
-  if (procedure.sides.front() == 0) return {procedure.clamp.begin(), procedure.clamp.end()};
+  const auto& procedure = protocol.design.procedure;
+  if (!procedure) return series.levels;
+  if (procedure->sides.front() == 0) return {procedure->clamp.begin(), procedure->clamp.end()};
   std::vector<double> comparisons;
-  for (const int side : procedure.sides) comparisons.push_back(plain_sum(series.standard, side * procedure.clamp[1]));
+  for (const int side : procedure->sides) comparisons.push_back(plain_sum(series.standard, side * procedure->clamp[1]));
   return comparisons;
+}
+
+double largest_difference(const Protocol& protocol) {
+  double largest = 0;
+  for (const Series& series : protocol.series) {
+    largest = std::max(largest, std::abs(series.pair[1] - series.pair[0]));
+    for (const double level : series.levels) largest = std::max(largest, std::abs(level - series.standard));
+  }
+  const auto& procedure = protocol.design.procedure;
+  return procedure ? std::max(largest, procedure->clamp[1]) : largest;
+}
+
+double catch_share(const Protocol& protocol) noexcept {
+  const auto& procedure = protocol.design.procedure;
+  return procedure ? procedure->catch_share : 0;
 }
 
 std::string cells_text(const Protocol& protocol) {
@@ -41,7 +57,7 @@ std::string cells_text(const Protocol& protocol) {
 
 std::string catch_words(const Protocol& protocol) {
   if (levels_given(protocol) || !task_of(protocol.task.kind).has_catch_trials()) return {};
-  return fmt::format(", {:.0f} % of them catch trials", 100 * protocol.design.procedure->catch_share);
+  return fmt::format(", {:.0f} % of them catch trials", 100 * catch_share(protocol));
 }
 
 std::string_view level_words(const Protocol& protocol) noexcept {

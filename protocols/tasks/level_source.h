@@ -19,6 +19,12 @@ std::vector<int> sides_of_comparisons(const Protocol& protocol, const Series& se
 // The given levels; of a procedure the comparisons furthest from the standard.
 std::vector<double> extreme_comparisons(const Protocol& protocol, const Series& series);
 
+// From a standard to its furthest level, given or that a procedure may come to; of pairs between their two.
+double largest_difference(const Protocol& protocol);
+
+// Of the trials of a procedure, those without a difference or a signal; 0 where the levels are given.
+double catch_share(const Protocol& protocol) noexcept;
+
 // Words for a condition's cells or tracks: "1 standard x 8 levels x 10 trials per cell", "2 tracks".
 std::string cells_text(const Protocol& protocol);
 

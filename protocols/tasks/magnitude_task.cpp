@@ -38,8 +38,9 @@ void MagnitudeTask::read(JsonReader& section, TaskSpec& spec) const {
   spec.number_max = section.number_or("highest", 1e6, {.min = 0, .max = 1e9, .above = true});
 }
 
-std::vector<DrawnTrial> MagnitudeTask::arrangements(const CellDraw& cell, double level, int) const {
-  return {{.stimuli = cell.protocol.task.modulus ? Intervals{cell.series.standard, level} : Intervals{level}}};
+std::vector<DrawnTrial> MagnitudeTask::arrangements(const CellDraw& cell, double comparison, int) const {
+  return {
+      {.stimuli = cell.protocol.task.modulus ? Intervals{cell.series.standard, comparison} : Intervals{comparison}}};
 }
 
 Answer MagnitudeTask::answer(std::span<const Felt> felt, const Trial& trial, const Protocol& protocol,
@@ -57,12 +58,11 @@ Answer MagnitudeTask::answer(std::span<const Felt> felt, const Trial& trial, con
 }
 
 std::vector<TaskOutcome> MagnitudeTask::outcomes(const Protocol&) const {
-  return {
-      {"exponent", "exponent", "", "of the power law: slope of ln answer on ln stimulus", 3, true},
-      {"intercept", "intercept", "", "ln answer at ln stimulus = 0", 3, false},
-      {"r2", "r2", "", "share of the variance of ln answer that the line explains", 3, false},
-      {"mean_answer", "mean answer", "", "geometric mean of the answers, every stimulus weighing the same", 3, true},
-      {"arithmetic_mean", "arithmetic mean", "", "mean of the answers, every stimulus weighing the same", 3, false}};
+  return {{"exponent", "exponent", "", "of the power law: slope of ln answer on ln stimulus", true},
+          {"intercept", "intercept", "", "ln answer at ln stimulus = 0", false},
+          {"r2", "r2", "", "share of the variance of ln answer that the line explains", false, false, false, true},
+          {"mean_answer", "mean answer", "", "geometric mean of the answers, every stimulus weighing the same", true},
+          {"arithmetic_mean", "arithmetic mean", "", "mean of the answers, every stimulus weighing the same", false}};
 }
 
 // Every stimulus weighs the same, whatever its repeats. A stimulus of 0 has no place on the line of the power law; an answer

@@ -95,11 +95,14 @@ std::string SameDifferentTask::without_model(const Protocol& protocol) const {
 }
 
 std::optional<AnswerModel> SameDifferentTask::answer_model(const Protocol& protocol) const {
-  if (protocol.analysis.model == "yes-no") return AnswerModel{.response = ResponseModel::yes_no};
-  if (protocol.analysis.model == "differencing") return AnswerModel{.response = ResponseModel::differencing};
+  // A threshold of reversals or QUEST is none of d' = 1.
+  const std::string_view jnd = levels_given(protocol) ? "jnd" : has_posterior_threshold(protocol) ? "threshold" : "";
+  if (protocol.analysis.model == "yes-no") return AnswerModel{.response = ResponseModel::yes_no, .jnd = jnd};
+  if (protocol.analysis.model == "differencing")
+    return AnswerModel{.response = ResponseModel::differencing, .jnd = jnd};
   // Of equal stimuli this observer needs to know how far apart the others of their series are.
   if (protocol.analysis.model == "independent-observation" && levels_given(protocol))
-    return AnswerModel{.response = ResponseModel::independent};
+    return AnswerModel{.response = ResponseModel::independent, .jnd = jnd};
   return std::nullopt;
 }
 
@@ -108,12 +111,17 @@ LevelAnswer SameDifferentTask::level_answer(const AnsweredTrial& trial, const Ta
 }
 
 std::vector<TaskOutcome> SameDifferentTask::outcomes(const Protocol& protocol) const {
-  if (levels_given(protocol)) return {};
-  return {{"threshold", "threshold", to_string(protocol.stimulus.unit),
+  const std::string unit(to_string(protocol.stimulus.unit));
+  if (levels_given(protocol))
+    return {{"slope", "slope of d' on the stiffness difference", "per " + unit,
+             "slope of d' on the stiffness difference, through the origin", false, false, true},
+            {"jnd", "JND", unit, "just-noticeable difference: 1 / slope", true},
+            {"weber", "Weber fraction", "", "JND / reference", true, true}};
+  return {{"threshold", "threshold", unit,
            has_posterior_threshold(protocol) ? "JND, the difference at d' = 1: exp of the posterior mean of ln JND"
                                              : "difference at the procedure's target rate",
-           4, true},
-          {"weber", "Weber fraction", "", "threshold / reference", 3, true, true}};
+           true},
+          {"weber", "Weber fraction", "", "threshold / reference", true, true}};
 }
 
 // Thresholds follow from the tracks (track_threshold.h), and JNDs from the counts of answers.

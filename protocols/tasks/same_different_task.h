@@ -1,7 +1,7 @@
 // "Are the two the same?": two intervals with a pair of values, drawn independently or in balance.
 //
 // What it measures is in the d' of its three models (analysis/detection) and the JNDs of several differences
-// (analysis/thresholds); data/results/study_analysis.h has both.
+// (analysis/thresholds); data/task_results/pair_cells.h has both.
 #pragma once
 
 #include "protocols/tasks/task.h"
@@ -27,7 +27,6 @@ class SameDifferentTask final : public Task {
   TaskStart start() const override;
   std::string without_model(const Protocol& protocol) const override;
   bool has_catch_trials() const noexcept override { return true; }
-  bool has_own_results() const noexcept override { return true; }
   int balance_of(const TaskSpec&) const noexcept override { return 4; }
   int trials_of_levels(const Protocol& protocol, const Series&) const override {
     return protocol.design.trials_per_cell;
@@ -52,10 +51,11 @@ class SameDifferentTask final : public Task {
   Answer unbiased_answer(const Intervals& presented, const Trial& trial, const Protocol& protocol, double noise,
                          RandomStream& stream) const override;
   std::string unbiased_words(const Protocol& protocol) const override;
-  // Of a threshold by the posterior of all answers, for what a design can be expected to measure; else none.
+  // A JND by the slope of d' on the difference; with a procedure the threshold of its tracks.
   std::vector<TaskOutcome> outcomes(const Protocol& protocol) const override;
   TaskEstimates estimate(const Protocol& protocol, const Series& series,
                          std::span<const AnsweredTrial> trials) const override;
+  std::string methods(const Protocol&) const override { return {}; }
 };
 
 }  // namespace jnd

@@ -161,6 +161,17 @@ std::optional<bool> is_correct(const Trial& trial, const Answer& answer) noexcep
   return trial.target < 0 ? std::nullopt : std::optional(answer.said == trial.target);
 }
 
+std::size_t judged_standard_count(const Protocol& protocol) {
+  return task_of(protocol.task.kind).has_pairs() ? 1 : protocol.series.size();
+}
+
+std::vector<JudgedStandard> judged_standards(const Protocol& protocol) {
+  if (task_of(protocol.task.kind).has_pairs()) return {{"all", protocol.stimulus.reference}};
+  std::vector<JudgedStandard> standards;
+  for (const Series& series : protocol.series) standards.push_back({series.name, series.standard});
+  return standards;
+}
+
 int trials_of_cell(const Protocol& protocol, const Series& series) {
   if (const auto& procedure = protocol.design.procedure) return trials_with_catches(*procedure);
   return task_of(protocol.task.kind).trials_of_levels(protocol, series);

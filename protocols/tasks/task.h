@@ -82,22 +82,32 @@ struct AnsweredTrial {
 struct TaskOutcome {
   std::string_view key;      // of files: "pse"
   std::string_view title;    // of tables: "PSE"
-  std::string_view unit{};   // as people write it; empty: none
+  std::string unit{};        // as people write it; empty: none
   std::string meaning{};     // one line, for the dictionary
-  int digits = 3;            // significant ones
   bool positive = false;     // its logarithm may be compared
   bool of_standard = false;  // a share of the standard, such as a Weber fraction
+  // Tests may leave out who has none, which picks nobody: a slope is there for everyone who answered both ways.
+  bool may_lack = false;
+  bool share = false;       // between 0 and 1, and so are the ends of its intervals
+  bool own_status = false;  // it may have no value where the others have
 };
 
-// What became of one outcome. Where there is no value the status says why; an interval's end may be infinite.
+// Where there is no value: whether it is known to lie above, or below, every value. A median counts it there.
+enum class Beyond { no, above, below };
+
+// What became of one outcome. Where there is no value the status of all says why, or its own; an interval's end, and a slope, may be infinite.
 struct TaskEstimate {
   std::optional<double> value{}, low{}, high{};  // low, high: 95 %
   double prior_weight = 0;                       // as of AdaptiveThreshold
+  Beyond beyond = Beyond::no;
+  std::string_view why{};  // of an outcome with an own_status: why it has no value; else empty
 };
 struct TaskEstimates {
-  std::string status = "ok";         // of all of them
-  std::vector<TaskEstimate> values;  // in the order of Task::outcomes
-  TrackCount tracks{};               // behind the last of measured_outcomes(), if that is of tracks
+  std::string status = "ok";            // of all of them
+  std::vector<TaskEstimate> values;     // in the order of measured_outcomes()
+  TrackCount tracks{};                  // behind the outcome that is of tracks, where one is
+  std::vector<std::string> cautions{};  // remarks that exclude nothing: "extrapolated"
+  int series_used = 0;                  // of estimates over all series of a condition: those in the fit
 };
 
 // How an answer depends on the level, in one model of everybody's answers (analysis/hierarchical).
@@ -175,8 +185,6 @@ class Task {
   virtual LevelAnswer level_answer(const AnsweredTrial&, const TaskSpec&) const { return {}; }
   // Whether trials without a difference, or without a signal, are part of the task.
   virtual bool has_catch_trials() const noexcept { return false; }
-  // Whether what its answers measure has an analysis of its own, instead of estimate() and its neighbours.
-  virtual bool has_own_results() const noexcept { return false; }
   // Whether a level may equal the standard: otherwise a trial of it would have no correct answer.
   virtual bool level_may_be_standard() const noexcept { return false; }
   // Whether a series has a standard that the levels are compared with; otherwise they stand for themselves.
@@ -256,6 +264,19 @@ class Task {
 
 const Task& task_of(TaskKind kind);
 std::span<const Task* const> all_tasks() noexcept;
+
+// What the estimates of one participant and condition are of, each with its standard: every series, or all of them
+// together, whose standard is the reference.
+struct JudgedStandard {
+  std::string name;  // "all" of all series together
+  double value = 0;
+};
+std::vector<JudgedStandard> judged_standards(const Protocol& protocol);
+// Whether standards have values: stimuli that others are judged against, or that a number was given to.
+inline bool has_valued_standards(const Protocol& protocol) {
+  return task_of(protocol.task.kind).has_standard() || protocol.task.modulus;
+}
+std::size_t judged_standard_count(const Protocol& protocol);
 
 // How often something is felt one after the other: in every interval, or once where all are felt together.
 int felt_intervals(const TaskSpec& spec);

@@ -150,12 +150,16 @@ TaskCurve choice_curve(ChoiceTask task, std::span<const AnsweredTrial> trials) {
   return curve;
 }
 
+TaskOutcome share_of_correct() {
+  return {"correct", "share correct", "", "share of correct answers, exact interval", true, false, false, true};
+}
+
 std::vector<TaskOutcome> choice_outcomes(const Protocol& protocol) {
-  const std::string_view unit = to_string(protocol.stimulus.unit);
-  return {{"jnd", "JND", unit, "difference at d' = 1, d' in proportion to the difference, maximum likelihood", 4, true},
-          {"weber", "Weber fraction", "", "jnd / standard", 3, true, true},
-          {"dprime", "d'", "", "d' of all trials together, whatever their difference", 3, false},
-          {"correct", "share correct", "", "share of correct answers, exact interval", 3, true}};
+  const std::string unit(to_string(protocol.stimulus.unit));
+  return {{"jnd", "JND", unit, "difference at d' = 1, d' in proportion to the difference, maximum likelihood", true},
+          {"weber", "Weber fraction", "", "jnd / standard", true, true},
+          {"dprime", "d'", "", "d' of all trials together, whatever their difference", false},
+          share_of_correct()};
 }
 
 TaskEstimates choice_estimates(ChoiceTask task, const Series& series, std::span<const AnsweredTrial> trials) {

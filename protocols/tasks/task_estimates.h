@@ -47,6 +47,7 @@ TaskCurve choice_curve(ChoiceTask task, std::span<const AnsweredTrial> trials);
 
 // Outcomes and estimates that oddity and ABX share: the JND, d' of all trials, the share of correct answers.
 std::vector<TaskOutcome> choice_outcomes(const Protocol& protocol);
+TaskOutcome share_of_correct();
 TaskEstimates choice_estimates(ChoiceTask task, const Series& series, std::span<const AnsweredTrial> trials);
 
 // `steps` values from low to high, both among them.

@@ -167,7 +167,7 @@ LevelAnswer WhichTask::level_answer(const AnsweredTrial& trial, const TaskSpec& 
 }
 
 std::vector<TaskOutcome> WhichTask::outcomes(const Protocol& protocol) const {
-  const std::string_view unit = to_string(protocol.stimulus.unit);
+  const std::string unit(to_string(protocol.stimulus.unit));
   const std::string& convention = protocol.analysis.jnd_convention;
   const std::string_view title = convention == "75 %"   ? "JND (75 %)"
                                  : convention == "84 %" ? "JND (84 %)"
@@ -177,16 +177,16 @@ std::vector<TaskOutcome> WhichTask::outcomes(const Protocol& protocol) const {
        fmt::format("just-noticeable difference, {}", protocol.analysis.jnd_convention == "d'=1"
                                                          ? std::string("d' = 1 of the two-interval task")
                                                          : protocol.analysis.jnd_convention + " chosen"),
-       4, true},
-      {"weber", "Weber fraction", "", "jnd / standard", 3, true, true}};
+       true},
+      {"weber", "Weber fraction", "", "jnd / standard", true, true}};
   if (measures_any_pse(protocol))
     outcomes.insert(outcomes.end(),
-                    {{"pse", "PSE", unit, "point of subjective equality: chosen half of the time", 4, false},
-                     {"bias", "bias", unit, "PSE less the standard", 4, false}});
+                    {{"pse", "PSE", unit, "point of subjective equality: chosen half of the time", false},
+                     {"bias", "bias", unit, "PSE less the standard", false}});
   if (!protocol.task.standard_first)
-    outcomes.push_back({"order", "order effect", "",
-                        "b of the model: above 0 the second interval is favoured; in units of s", 3, false});
-  outcomes.push_back({"correct", "share correct", "", "share of correct answers, exact interval", 3, true});
+    outcomes.push_back(
+        {"order", "order effect", "", "b of the model: above 0 the second interval is favoured; in units of s", false});
+  outcomes.push_back(share_of_correct());
   return outcomes;
 }
 

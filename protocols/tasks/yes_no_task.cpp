@@ -170,17 +170,18 @@ LevelAnswer YesNoTask::level_answer(const AnsweredTrial& trial, const TaskSpec&)
 }
 
 std::vector<TaskOutcome> YesNoTask::outcomes(const Protocol& protocol) const {
-  const std::string_view unit = to_string(protocol.stimulus.unit);
+  const std::string unit(to_string(protocol.stimulus.unit));
   std::vector<TaskOutcome> outcomes = {
-      {"dprime", "d'", "", "z(H) - z(F) on log-linear rates, all signals together", 3, false},
-      {"criterion", "criterion c", "", "c = -(z(H) + z(F)) / 2; above 0: tends to say no", 3, false},
-      {"threshold", "threshold", unit, "distance of the signal from the noise at d' = 1, maximum likelihood", 4, true},
-      {"correct", "share correct", "", "share of correct answers, exact interval", 3, true}};
+      {"dprime", "d'", "", "z(H) - z(F) on log-linear rates, all signals together", false},
+      {"criterion", "criterion c", "", "c = -(z(H) + z(F)) / 2; above 0: tends to say no", false},
+      {"threshold", "threshold", unit, "distance of the signal from the noise at d' = 1, maximum likelihood", true},
+      share_of_correct()};
   if (has_weber_fraction(protocol))
-    outcomes.push_back({"weber", "Weber fraction", "", "threshold / standard", 3, true, true});
+    outcomes.push_back({"weber", "Weber fraction", "", "threshold / standard", true, true});
   if (protocol.task.sureness_levels > 0) {
-    outcomes.push_back({"d_a", "d_a", "", "d_a of the ratings, unequal variances", 3, false});
-    outcomes.push_back({"area", "A_z", "", "area under the ROC of the ratings, unequal variances", 3, true});
+    outcomes.push_back({"d_a", "d_a", "", "d_a of the ratings, unequal variances", false});
+    outcomes.push_back(
+        {"area", "A_z", "", "area under the ROC of the ratings, unequal variances", true, false, false, true});
   }
   return outcomes;
 }
@@ -192,13 +193,15 @@ TaskEstimates YesNoTask::estimate(const Protocol& protocol, const Series& series
   const TwoIntervalFit fit = fit_two_interval(rows);
   const TwoIntervalIntervals intervals = two_interval_intervals(rows);
   TaskEstimates estimates;
-  const bool ok = fit.status == TwoIntervalStatus::ok, by_posterior = has_posterior_threshold(protocol);
-  estimates.status = rates.status != RateStatus::ok || ok || by_posterior
-                         ? to_string(rates.status)
-                         : word_of(kTwoIntervalStatusWords, fit.status);
-  const TaskEstimate threshold = by_posterior
-                                     ? posterior_estimate(posterior_of_trials(protocol, series, trials).threshold)
-                                     : task_estimate(ok ? fit.s : std::nullopt, intervals.s);
+  const bool ok = fit.status == TwoIntervalStatus::ok;
+  std::string_view status = word_of(kTwoIntervalStatusWords, fit.status);
+  TaskEstimate threshold = task_estimate(ok ? fit.s : std::nullopt, intervals.s);
+  if (has_posterior_threshold(protocol)) {
+    const AdaptiveThreshold of_posterior = posterior_of_trials(protocol, series, trials).threshold;
+    status = to_string(of_posterior.status);
+    threshold = posterior_estimate(of_posterior);
+  }
+  estimates.status = rates.status == RateStatus::ok ? status : to_string(rates.status);
   estimates.values = {task_estimate(rates.dprime, ChoiceBounds{rates.ci_low, rates.ci_high}),
                       task_estimate(rates.criterion), threshold, share_correct(trials)};
   if (has_weber_fraction(protocol))

@@ -2,6 +2,8 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -9,6 +11,7 @@
 #include "analysis/procedures/quest.h"
 #include "analysis/procedures/staircase.h"
 #include "analysis/thresholds/adaptive_threshold.h"
+#include "data/fields/number_text.h"
 #include "protocols/input/csv_table.h"
 #include "runner/calc/calc.h"
 #include "runner/terminal/exit_code.h"
@@ -28,12 +31,6 @@ struct StaircaseOptions {
   std::vector<double> clamp;
 };
 
-Json json_list(const std::vector<double>& values) {
-  Json list = Json::array();
-  for (const double value : values) list.push_back(json_number(value));
-  return list;
-}
-
 int staircase(const StaircaseOptions& options) {
   StaircaseRule rule = options.rule;
   if (!options.clamp.empty()) rule.clamp = std::array<double, 2>{options.clamp[0], options.clamp[1]};
@@ -51,11 +48,10 @@ int staircase(const StaircaseOptions& options) {
                run.reversals().size() > before ? "reversal" : ""});
   }
   if (options.input.json) {
-    const Json out = {{"levels", json_list(levels)},
-                      {"next", json_number(run.level())},
-                      {"reversals", json_list(run.reversals())},
-                      {"target", json_number(staircase_target(rule))}};
-    fmt::print("{}\n", json_line(out));
+    print_json({{"levels", json_numbers(levels)},
+                {"next", json_number(run.level())},
+                {"reversals", json_numbers(run.reversals())},
+                {"target", json_number(staircase_target(rule))}});
     return exit_code::kDone;
   }
   fmt::print("{}next level {:g}; the rule settles where {:.1f} % of the answers are correct\n", table.text(),
@@ -86,11 +82,7 @@ int quest(const QuestOptions& options) {
   if (const std::string problem = problem_of(options.parameters); !problem.empty()) throw InputError(problem);
   const CsvTable csv = CsvTable::read(options.input.file, {"response"}, {"x"});
   Quest run(options.parameters);
-  Json out = {{"levels", Json::array()},
-              {"mean", Json::array()},
-              {"mode", Json::array()},
-              {"median", Json::array()},
-              {"sd", Json::array()}};
+  Json out;
   TextTable table({"trial", "level", "answer", "mean", "mode", "median", "sd"},
                   {Align::right, Align::right, Align::left, Align::right, Align::right, Align::right, Align::right});
   QuestEstimate estimate = run.estimate();
@@ -103,14 +95,18 @@ int quest(const QuestOptions& options) {
     if (!beyond && std::abs(level - options.parameters.t_guess) > half + kFarLog10) beyond = level;
     run.answer(level, correct);
     estimate = run.estimate();
-    out["levels"].push_back(json_number(level));
-    out["mean"].push_back(json_number(estimate.mean));
-    out["mode"].push_back(json_number(estimate.mode));
-    out["median"].push_back(json_number(estimate.median));
-    out["sd"].push_back(json_number(estimate.sd));
-    table.add({std::to_string(row + 1), fmt::format("{:.4f}", level), correct ? "correct" : "wrong",
-               fmt::format("{:.4f}", estimate.mean), fmt::format("{:.4f}", estimate.mode),
-               fmt::format("{:.4f}", estimate.median), fmt::format("{:.4f}", estimate.sd)});
+    std::vector<std::string> cells = {std::to_string(row + 1)};
+    const std::pair<const char*, double> numbers[] = {{"levels", level},
+                                                      {"mean", estimate.mean},
+                                                      {"mode", estimate.mode},
+                                                      {"median", estimate.median},
+                                                      {"sd", estimate.sd}};
+    for (const auto& [key, number] : numbers) {
+      out[key].push_back(json_number(number));
+      cells.push_back(number_text(number, 4));
+    }
+    cells.insert(cells.begin() + 2, correct ? "correct" : "wrong");
+    table.add(cells);
   }
   if (beyond)
     write_marked_message(fmt::format(
@@ -118,7 +114,7 @@ int quest(const QuestOptions& options) {
         options.input.file == "-" ? "standard input" : options.input.file, *beyond, options.parameters.t_guess - half,
         options.parameters.t_guess + half));
   if (options.input.json)
-    fmt::print("{}\n", json_line(out));
+    print_json(out);
   else
     fmt::print("{}next level {:.4f}\n", table.text(), recommended(estimate, options.place));
   return exit_code::kDone;

@@ -10,16 +10,18 @@
 #include "analysis/thresholds/fit_quality.h"
 #include "analysis/thresholds/jnd.h"
 #include "analysis/thresholds/jnd_bootstrap.h"
+#include "data/blocks/common_fields.h"
+#include "data/blocks/part_fields.h"
+#include "data/fields/number_text.h"
 #include "protocols/input/csv_table.h"
 #include "protocols/input/input_error.h"
 #include "runner/calc/calc.h"
+#include "runner/calc/calc_output.h"
 #include "runner/calc/csv_counts.h"
 #include "runner/calc/trials_input.h"
+#include "runner/results/block_output.h"
 #include "runner/terminal/exit_code.h"
 #include "runner/terminal/json_output.h"
-#include "runner/terminal/number_text.h"
-#include "runner/terminal/terminal.h"
-#include "runner/terminal/text_table.h"
 #include "runner/terminal/work_line.h"
 
 namespace jnd {
@@ -44,10 +46,14 @@ struct Group {
   std::vector<SeriesCounts> series;
 };
 
-struct GroupResult {
-  std::vector<std::optional<JndEstimate>> estimates;  // in the order of kJndMethods; none: not of such data
-  std::vector<std::optional<FitQuality>> qualities;   // of the maximum-likelihood methods
-  std::optional<JndBootstrap> bootstrap;              // of least_squares
+// What a method says of a group.
+struct JndRow {
+  std::string participant, condition;
+  JndMethod method;
+  bool shared = false;  // no estimate: the method needs same trials of each series
+  JndEstimate estimate{};
+  std::optional<FitQuality> quality{};      // of the maximum-likelihood methods
+  std::optional<JndBootstrap> bootstrap{};  // of least_squares
 };
 
 SeriesCounts series_of(const CsvTable& table, std::size_t row) {
@@ -90,19 +96,14 @@ Group group_of_trials(const JndOptions& options, const std::string& file, const 
           "{}: {}: {:g} is not a difference between two stimuli (differences are above 0, and 0 on same trials; "
           "where the level is absolute, give --standard)",
           file, unit.name(), count.level));
-    if (count.level == 0) {
-      same.n_same = count.n;
-      same.false_alarms = count.k;
-    } else {
+    if (count.level == 0)
+      same = {0, 0, count.n, count.k};
+    else
       group.series.push_back({count.level, {count.n, count.k, 0, 0}});
-    }
   }
   if (group.series.empty())
     throw InputError(fmt::format("{}: {}: no trial with different stimuli (every difference is 0)", file, unit.name()));
-  for (SeriesCounts& series : group.series) {
-    series.counts.n_same = same.n_same;
-    series.counts.false_alarms = same.false_alarms;
-  }
+  for (SeriesCounts& series : group.series) series.counts += same;
   return group;
 }
 
@@ -122,74 +123,29 @@ bool of_own_criteria(JndMethod method) noexcept {
   return method == JndMethod::ml_yes_no_series || method == JndMethod::ml_differencing_series;
 }
 
-// Of series that share their same trials. Fit quality is left out: their cells are not two of each series.
-GroupResult result_of_shared(const Group& group, const JndOptions& options) {
-  GroupResult result;
-  for (const JndMethod method : kJndMethods) {
-    result.qualities.emplace_back();
-    result.estimates.emplace_back();
-    if (!of_own_criteria(method))
-      result.estimates.back() =
-          estimate_jnd(group.series, group.reference, method, *correction_from(options.correction), SameTrials::shared);
-  }
-  return result;
-}
-
-GroupResult result_of(const Group& group, const JndOptions& options) {
-  if (options.trials.trials && group.series.size() > 1) return result_of_shared(group, options);
+// Of each method. Fit quality of shared same trials is left out: their cells are not two of each series.
+std::vector<JndRow> rows_of(const Group& group, const JndOptions& options) {
   const Correction correction = *correction_from(options.correction);
-  GroupResult result;
+  const bool shared = options.trials.trials && group.series.size() > 1;
+  std::vector<JndRow> rows;
   for (const JndMethod method : kJndMethods) {
-    JndEstimate estimate = estimate_jnd(group.series, group.reference, method, correction);
+    JndRow& row = rows.emplace_back(JndRow{group.participant, group.condition, method});
+    row.shared = shared && of_own_criteria(method);
+    if (row.shared) row.estimate.slope = row.estimate.jnd = row.estimate.weber = kNaN;
+    if (row.shared) continue;
+    row.estimate =
+        estimate_jnd(group.series, group.reference, method, correction, shared ? SameTrials::shared : SameTrials::own);
+    if (shared) continue;
     if (method == JndMethod::least_squares && options.bootstrap > 0) {
-      result.bootstrap = least_squares_bootstrap(group.series, correction, options.bootstrap, options.seed);
-      estimate.slope_ci_low = result.bootstrap->slope_ci_low;
-      estimate.slope_ci_high = result.bootstrap->slope_ci_high;
-      estimate.ci_low = result.bootstrap->ci_low;
-      estimate.ci_high = result.bootstrap->ci_high;
+      row.bootstrap = least_squares_bootstrap(group.series, correction, options.bootstrap, options.seed);
+      row.estimate.slope_ci_low = row.bootstrap->slope_ci_low;
+      row.estimate.slope_ci_high = row.bootstrap->slope_ci_high;
+      row.estimate.ci_low = row.bootstrap->ci_low;
+      row.estimate.ci_high = row.bootstrap->ci_high;
     }
-    std::optional<FitQuality> quality;
-    if (is_maximum_likelihood(method)) quality = fit_quality(group.series, method, options.bootstrap, options.seed);
-    result.estimates.push_back(std::move(estimate));  // NOLINT(modernize-use-emplace): it is one already
-    result.qualities.push_back(quality);
+    if (is_maximum_likelihood(method)) row.quality = fit_quality(group.series, method, options.bootstrap, options.seed);
   }
-  return result;
-}
-
-Json json_of(const JndBootstrap& bootstrap) {
-  return {{"replicates", bootstrap.replicates},
-          {"ok", bootstrap.ok},
-          {"no_sensitivity", bootstrap.no_sensitivity},
-          {"ceiling", bootstrap.ceiling},
-          {"no_information", bootstrap.no_information}};
-}
-
-Json json_of(const FitQuality& quality) {
-  return {{"status", to_string(quality.status)},
-          {"df", quality.degrees_of_freedom},
-          {"deviance", json_number(quality.deviance)},
-          {"deviance_p", json_number(quality.deviance_p)},
-          {"pearson", json_number(quality.pearson)},
-          {"pearson_p", json_number(quality.pearson_p)},
-          {"deviance_p_bootstrap", json_number(quality.deviance_p_bootstrap)},
-          {"pearson_p_bootstrap", json_number(quality.pearson_p_bootstrap)},
-          {"replicates", quality.replicates}};
-}
-
-Json json_of(const JndEstimate& estimate) {
-  Json json = {{"slope", json_number(estimate.slope)},
-               {"jnd", json_number(estimate.jnd)},
-               {"weber", json_number(estimate.weber)},
-               {"ci_low", json_number(estimate.ci_low)},
-               {"ci_high", json_number(estimate.ci_high)},
-               {"log_likelihood", json_number(estimate.log_likelihood)},
-               {"status", to_string(estimate.status)},
-               {"cautions", Json::array()},
-               {"slope_ci_low", json_number(estimate.slope_ci_low)},
-               {"slope_ci_high", json_number(estimate.slope_ci_high)},
-               {"series_used", estimate.series_used}};
-  for (const Caution caution : estimate.cautions) json["cautions"].push_back(to_string(caution));
-  return json;
+  return rows;
 }
 
 bool falls(const Group& group, bool shared_same_trials) {
@@ -202,66 +158,73 @@ bool falls(const Group& group, bool shared_same_trials) {
   return say_falling(levels, fmt::format("{} {}", group.participant, group.condition));
 }
 
-void print_json(const Group& group, const GroupResult& result, bool falling) {
-  Json line = {{"participant", group.participant},
-               {"condition", group.condition},
-               {"reference", group.reference},
-               {"series", group.series.size()},
-               {"falling", falling}};
-  for (std::size_t i = 0; i < kJndMethods.size(); ++i) {
-    if (!result.estimates[i]) {
-      line[std::string(to_string(kJndMethods[i]))] = {
-          {"slope", nullptr}, {"jnd", nullptr}, {"status", "shared_same_trials"}};
-      continue;
-    }
-    Json method = json_of(*result.estimates[i]);
-    if (kJndMethods[i] == JndMethod::least_squares && result.bootstrap)
-      method["bootstrap"] = json_of(*result.bootstrap);
-    if (result.qualities[i]) method["fit"] = json_of(*result.qualities[i]);
-    line[std::string(to_string(kJndMethods[i]))] = std::move(method);
-  }
-  fmt::print("{}\n", json_line(line));
-}
-
-std::string jnd_number(double value) {
-  if (std::isnan(value)) return "-";
-  if (std::isinf(value)) return value > 0 ? "inf" : "-inf";
-  return fmt::format("{:.4g}", value);
-}
-
-std::string percent(double fraction) {
-  return std::isnan(fraction) ? "-" : fmt::format("{:.1f} %", 100 * fraction);
-}
-
-std::string interval(const JndEstimate& estimate) {
-  return range_text(jnd_number(estimate.ci_low), jnd_number(estimate.ci_high));
-}
-
 // The p value to look at: of the replicates where there are any.
-std::string fit_p(const std::optional<FitQuality>& quality) {
-  if (!quality) return "-";
-  if (!std::isnan(quality->deviance_p_bootstrap)) return jnd_number(quality->deviance_p_bootstrap);
-  return quality->status == FitStatus::few_trials ? "few_trials" : jnd_number(quality->deviance_p);
+std::string fit_p(const FitQuality& quality) {
+  if (!std::isnan(quality.deviance_p_bootstrap)) return p_value_text(quality.deviance_p_bootstrap);
+  return quality.status == FitStatus::few_trials ? "few_trials" : p_value_text(quality.deviance_p);
 }
 
-std::string cautions_of(const JndEstimate& estimate) {
+std::string cautions_of(const JndRow& row) {
+  if (row.shared) return "shared_same_trials";
   std::string text;
-  if (estimate.status != JndStatus::ok) text = to_string(estimate.status);
-  for (const Caution caution : estimate.cautions) text += (text.empty() ? "" : ", ") + std::string(to_string(caution));
+  if (row.estimate.status != JndStatus::ok) text = to_string(row.estimate.status);
+  for (const Caution caution : row.estimate.cautions) text = joined(text, std::string(to_string(caution)));
   return text;
 }
 
-void add_rows(TextTable& table, const Group& group, const GroupResult& result) {
-  for (std::size_t i = 0; i < kJndMethods.size(); ++i) {
-    if (!result.estimates[i]) {
-      table.add({"", "", std::string(to_string(kJndMethods[i])), "-", "-", "-", "-", "-", "shared_same_trials"});
-      continue;
-    }
-    const JndEstimate& estimate = *result.estimates[i];
-    table.add({i == 0 ? printable(group.participant) : "", i == 0 ? printable(group.condition) : "",
-               std::string(to_string(kJndMethods[i])), jnd_number(estimate.jnd), interval(estimate),
-               percent(estimate.weber), jnd_number(estimate.slope), fit_p(result.qualities[i]), cautions_of(estimate)});
-  }
+Block jnd_block(const std::vector<JndRow>& rows, const JndOptions& options) {
+  using R = JndRow;
+  using E = JndEstimate;
+  using Q = FitQuality;
+  using B = JndBootstrap;
+  const FieldTraits table = {.place = Place::table};
+  Fields<R> fields;
+  add_parts(
+      fields, "", "of whom, and how", table, [](const R& r) { return r; }, "participant", &R::participant, "condition",
+      &R::condition, "method", &R::method, "fit_p", [](const R& r) { return r.quality ? fit_p(*r.quality) : ""; });
+  add_parts(fields, "", "estimate", {}, &R::estimate, "slope", &E::slope, "jnd", &E::jnd);
+  add_parts(fields, "", "JND / reference", {.shown = Shown::percent}, &R::estimate, "weber", &E::weber);
+  add_parts(fields, "", "its 95 % intervals, and how it came about", {}, &R::estimate, "ci_low", &E::ci_low, "ci_high",
+            &E::ci_high, "log_likelihood", &E::log_likelihood, "status", &E::status);
+  fields.push_back({"cautions", "status and cautions", cautions_of});
+  add_parts(fields, "", "95 % interval of the slope, and how many series it rests on", {}, &R::estimate, "slope_ci_low",
+            &E::slope_ci_low, "slope_ci_high", &E::slope_ci_high, "series_used", &E::series_used);
+  add_parts(
+      fields, "bootstrap.", "replicates of that status", {}, [](const R& r) { return r.bootstrap.value_or(B{}); },
+      "replicates", &B::replicates, "ok", &B::ok, "no_sensitivity", &B::no_sensitivity, "ceiling", &B::ceiling,
+      "no_information", &B::no_information);
+  add_parts(
+      fields, "fit.", "how well the model fits", {}, [](const R& r) { return r.quality.value_or(Q{}); }, "status",
+      &Q::status, "df", &Q::degrees_of_freedom, "deviance", &Q::deviance, "deviance_p", &Q::deviance_p, "pearson",
+      &Q::pearson, "pearson_p", &Q::pearson_p, "deviance_p_bootstrap", &Q::deviance_p_bootstrap, "pearson_p_bootstrap",
+      &Q::pearson_p_bootstrap, "replicates", &Q::replicates);
+  Block block;
+  block.title = "Thresholds";
+  block.note = fmt::format(
+      "JND: difference at d' = 1, in the unit of delta; Weber fraction = JND / {}; slope: d' per unit; closed forms on {} rates, maximum likelihood (ml_*) on raw counts",
+      options.reference > 0 ? fmt::format("{:g}", options.reference) : "the standard", options.correction);
+  block.columns = columns("participant", "condition", "method", titled("jnd", "JND"), range("ci_low", "ci_high"),
+                          titled("weber", "Weber"), "slope", titled("fit_p", "fit p"), "cautions");
+  block.footnotes.push_back(
+      options.bootstrap > 0
+          ? fmt::format(
+                "Intervals: profile likelihood (ml_*), {} bootstrap replicates (least_squares); fit p: deviance, by the same number of replicates.",
+                options.bootstrap)
+          : "Intervals: profile likelihood (ml_*); --bootstrap gives least_squares one. fit p: deviance against chi-square; few_trials: too few for it, --bootstrap draws one.");
+  if (options.trials.trials)
+    block.footnotes.emplace_back(
+        "The same trials go with every difference of their participant and condition: closed forms take them for each, ml_*_common once; shared_same_trials: needs same trials of each series of its own.");
+  return std::move(block.with(fields, rows));
+}
+
+Json method_json(const Block& block, std::size_t at, const JndRow& row) {
+  if (row.shared) return {{"slope", nullptr}, {"jnd", nullptr}, {"status", "shared_same_trials"}};
+  Json json = json_row(block, at);
+  json["cautions"] = Json::array();
+  for (const Caution caution : row.estimate.cautions) json["cautions"].push_back(to_string(caution));
+  if (!row.bootstrap) json.erase("bootstrap");
+  if (!row.quality) json.erase("fit");
+  return json;
 }
 
 std::vector<Group> counted_groups(const JndOptions& options) {
@@ -276,42 +239,27 @@ std::vector<Group> counted_groups(const JndOptions& options) {
 int run_jnd(const JndOptions& options) {
   // The whole file is read before anything is printed: a mistake in the last row leaves no half an answer.
   const std::vector<Group> groups = options.trials.trials ? groups_of_trials(options) : counted_groups(options);
-  using Align = TextTable::Align;
-  TextTable table({"participant", "condition", "method", "JND", "95 % CI", "Weber", "slope", "fit p", "cautions"},
-                  {Align::left, Align::left, Align::left, Align::right, Align::right, Align::right, Align::right,
-                   Align::right, Align::left});
+  std::vector<JndRow> rows;
+  std::vector<Json> lines;
   for (const Group& group : groups) {
-    const GroupResult result = [&] {
+    const std::vector<JndRow> methods = [&] {
       const WorkLine working(fmt::format("{} {}", group.participant, group.condition));
-      return result_of(group, options);
+      return rows_of(group, options);
     }();
-    const bool falling = falls(group, options.trials.trials);
-    if (options.input.json) {
-      print_json(group, result, falling);
-      continue;
-    }
-    if (&group != &groups.front()) table.rule();
-    add_rows(table, group, result);
+    rows.insert(rows.end(), methods.begin(), methods.end());
+    lines.push_back({{"participant", group.participant},
+                     {"condition", group.condition},
+                     {"reference", group.reference},
+                     {"series", group.series.size()},
+                     {"falling", falls(group, options.trials.trials)}});
   }
-  if (options.input.json) return exit_code::kDone;
-  fmt::print(
-      "{}\n{}\n{}\n", bold("Thresholds"),
-      dim(fmt::format("JND: difference at d' = 1, in the unit of delta; Weber fraction = JND / {}; slope: d' per "
-                      "unit; closed forms on {} rates, maximum likelihood (ml_*) on raw counts",
-                      options.reference > 0 ? fmt::format("{:g}", options.reference) : std::string("the standard"),
-                      options.correction)),
-      table.text());
-  fmt::print("{}\n", dim(options.bootstrap > 0
-                             ? fmt::format("Intervals: profile likelihood (ml_*), {} bootstrap replicates "
-                                           "(least_squares); fit p: deviance, by the same number of replicates.",
-                                           options.bootstrap)
-                             : std::string("Intervals: profile likelihood (ml_*); --bootstrap gives least_squares one. "
-                                           "fit p: deviance against chi-square; few_trials: too few for it, "
-                                           "--bootstrap draws one.")));
-  if (options.trials.trials)
-    fmt::print("{}\n", dim("The same trials go with every difference of their participant and condition: closed forms "
-                           "take them for\neach, ml_*_common once; shared_same_trials: needs same trials of each "
-                           "series of its own."));
+  const Block block = jnd_block(rows, options);
+  if (!options.input.json) print_rows({block}, false);
+  for (std::size_t i = 0; options.input.json && i < rows.size(); ++i) {
+    Json& line = lines[i / kJndMethods.size()];
+    line[std::string(to_string(rows[i].method))] = method_json(block, i, rows[i]);
+    if (i % kJndMethods.size() == kJndMethods.size() - 1) print_json(line);
+  }
   return exit_code::kDone;
 }
 

@@ -7,10 +7,10 @@
 #include <fmt/format.h>
 
 #include "analysis/procedures/posterior.h"
+#include "data/fields/number_text.h"
 #include "protocols/input/json_reader.h"
 #include "protocols/input/read_file.h"
 #include "runner/calc/calc.h"
-#include "runner/calc/calc_group.h"
 #include "runner/terminal/exit_code.h"
 #include "runner/terminal/json_output.h"
 #include "runner/terminal/text_table.h"
@@ -260,25 +260,25 @@ Json posterior_json(const PosteriorRun& run, const PosteriorReplay& done) {
 
 std::string posterior_text(const PosteriorRun& run, const PosteriorReplay& done) {
   const bool which = run.configuration.task == PosteriorTask::which;
-  const std::vector<double>& levels = run.configuration.levels;
+  const double zero = which ? run.configuration.standard : 0;
   TextTable table(
       {"trial", "level", "answer", "utility", which ? "s" : "JND", "SD of ln s", which ? "PSE" : "k", "lapse"},
       {Align::right, Align::right, Align::left, Align::right, Align::right, Align::right, Align::right, Align::right});
+  const auto number = [](double value) { return number_text(value, decimals_of_size(std::abs(value))); };
   const auto add = [&](const std::string& trial, const std::string& level, const std::string& answer,
                        const std::string& utility, const PosteriorEstimate& of) {
-    table.add({trial, level, answer, utility, statistic_text(std::exp(of.mean_ln_s)), statistic_text(of.sd_ln_s),
-               statistic_text(which ? run.configuration.standard + of.mean_shift : of.mean_shift),
-               statistic_text(of.mean_lapse)});
+    table.add({trial, level, answer, utility, number(std::exp(of.mean_ln_s)), number(of.sd_ln_s),
+               number(zero + of.mean_shift), number(of.mean_lapse)});
   };
   add("prior", "", "", "", done.before);
   for (std::size_t t = 0; t < done.trials.size(); ++t) {
     const PosteriorTrial& trial = done.trials[t];
     const char* answer = which ? (trial.positive ? "comparison" : "standard") : (trial.positive ? "different" : "same");
-    add(std::to_string(t + 1), fmt::format("{:g}", levels[trial.choice.level]), answer,
-        statistic_text(trial.choice.utility), trial.after);
+    add(std::to_string(t + 1), fmt::format("{:g}", run.configuration.levels[trial.choice.level]), answer,
+        number(trial.choice.utility), trial.after);
   }
   std::string text = table.text();
-  if (!done.next.empty()) text += fmt::format("next level {:g}\n", levels[done.next[0].level]);
+  if (!done.next.empty()) text += fmt::format("next level {:g}\n", run.configuration.levels[done.next[0].level]);
   return text;
 }
 
@@ -290,7 +290,7 @@ int posterior(const PosteriorOptions& options) {
   const PosteriorRun run = PosteriorReader(root, name).read();
   const PosteriorReplay done = replay(run);
   if (options.json)
-    fmt::print("{}\n", json_line(posterior_json(run, done)));
+    print_json(posterior_json(run, done));
   else
     fmt::print("{}", posterior_text(run, done));
   return exit_code::kDone;

@@ -1,6 +1,4 @@
 // jnd calc fit: psychometric functions of counts, with intervals, goodness of fit and comparisons of groups.
-#include "runner/calc/calc_psychometric.h"
-
 #include <charconv>
 #include <cmath>
 #include <map>
@@ -8,20 +6,24 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
+#include "analysis/psychometric/psychometric_compare.h"
+#include "analysis/psychometric/psychometric_interval.h"
+#include "data/blocks/common_fields.h"
+#include "data/blocks/part_fields.h"
 #include "protocols/input/csv_table.h"
 #include "protocols/input/input_error.h"
 #include "runner/calc/calc.h"
+#include "runner/calc/calc_output.h"
+#include "runner/calc/interval_fields.h"
 #include "runner/calc/trials_input.h"
+#include "runner/results/block_output.h"
 #include "runner/terminal/exit_code.h"
 #include "runner/terminal/json_output.h"
-#include "runner/terminal/number_text.h"
 #include "runner/terminal/progress_bar.h"
-#include "runner/terminal/terminal.h"
-#include "runner/terminal/text_table.h"
 #include "runner/terminal/work_line.h"
 
 namespace jnd {
@@ -121,19 +123,174 @@ PsychometricBootstrap bootstrap_of(const LevelGroup& group, const PsychometricMo
                                 });
 }
 
-PsychometricAnswer answer_for(const LevelGroup& group, const PsychometricModel& model, const FitOptions& options) {
-  PsychometricAnswer answer;
-  answer.group = group.name;
-  answer.participant = group.participant;
-  answer.condition = group.condition;
-  answer.fit = fit_psychometric(group.levels, model);
+struct FittedGroup {
+  LevelGroup of;
+  PsychometricFit fit;
+  PsychometricIntervals intervals;
+  bool falling = false;                            // the counted answer is rarer at higher levels (falling_answers)
+  std::optional<PsychometricBootstrap> bootstrap;  // where the intervals come from it
+};
+
+FittedGroup fitted(const LevelGroup& group, const PsychometricModel& model, const FitOptions& options) {
+  FittedGroup out{group, fit_psychometric(group.levels, model), {}, false, {}};
   if (options.interval == "bootstrap") {
-    answer.bootstrap = bootstrap_of(group, model, options);
-    answer.intervals = answer.bootstrap->intervals;
+    out.bootstrap = bootstrap_of(group, model, options);
+    out.intervals = out.bootstrap->intervals;
   } else {
-    answer.intervals = psychometric_profile(group.levels, model, options.confidence);
+    out.intervals = psychometric_profile(group.levels, model, options.confidence);
   }
-  return answer;
+  return out;
+}
+
+// A quantity of a fit, with its standard error and its interval.
+struct FitQuantity {
+  std::string name;
+  PsychometricEstimate PsychometricFit::*estimate;
+  ConfidenceBounds PsychometricIntervals::*bounds;
+};
+
+const FitQuantity kThresholds[] = {{"pse", &PsychometricFit::pse, &PsychometricIntervals::pse},
+                                   {"jnd", &PsychometricFit::jnd, &PsychometricIntervals::jnd},
+                                   {"slope", &PsychometricFit::slope, &PsychometricIntervals::slope}};
+
+// The two of the function, then the rates that are free.
+std::vector<FitQuantity> parameters_of(const PsychometricModel& model) {
+  const auto [location, second] = parameter_names(model.function);
+  std::vector<FitQuantity> all = {{std::string(location), &PsychometricFit::location, &PsychometricIntervals::location},
+                                  {std::string(second), &PsychometricFit::second, &PsychometricIntervals::second}};
+  if (!model.lapse) all.push_back({"lapse", &PsychometricFit::lapse, &PsychometricIntervals::lapse});
+  if (!model.guess) all.push_back({"guess", &PsychometricFit::guess, &PsychometricIntervals::guess});
+  return all;
+}
+
+// Of the chi-square p of the deviance: ok, or why there is none.
+std::string_view p_status(const PsychometricFit& fit) {
+  if (std::isnan(fit.deviance)) return "no_information";
+  return fit.degrees_of_freedom < 1 ? "no_degrees_of_freedom" : fit.few_trials ? "few_trials" : "ok";
+}
+
+void add_quantity(Fields<FittedGroup>& fields, const FitQuantity& of, const std::string& value,
+                  const std::string& error) {
+  using R = FittedGroup;
+  add_parts(
+      fields, "", "estimate and its standard error", {},
+      [of](const R& r) -> const PsychometricEstimate& { return r.fit.*of.estimate; }, value,
+      &PsychometricEstimate::value, error, &PsychometricEstimate::se);
+  add_interval(fields, "ci." + of.name, [of](const R& r) {
+    return std::vector<double>{(r.intervals.*of.bounds).low, (r.intervals.*of.bounds).high};
+  });
+}
+
+Fields<FittedGroup> fit_fields(const FittedGroup& first) {
+  using R = FittedGroup;
+  using P = PsychometricFit;
+  using M = PsychometricModel;
+  using B = PsychometricBootstrap;
+  Fields<R> fields = unit_fields<R>(first.of);
+  add_parts(
+      fields, "", "what was fitted", {}, [](const R& r) -> const M& { return r.fit.model; }, "function", &M::function,
+      "estimator", &M::estimator);
+  add_parts(
+      fields, "", "the fit, its rates and the counts behind it", {}, &R::fit, "guess",
+      [](const P& fit) { return fit.model.guess.value_or(fit.guess.value); }, "lapse",
+      [](const P& fit) { return fit.model.lapse.value_or(fit.lapse.value); }, "deviance", &P::deviance,
+      "degrees_of_freedom", &P::degrees_of_freedom, "deviance_p_status", p_status, "levels", &P::levels, "trials",
+      &P::trials, "status", &P::status);
+  add_parts(fields, "", "without binomial constants", {.shown = Shown::given}, &R::fit, "log_likelihood",
+            &P::log_likelihood);
+  add_parts(fields, "", "p of the deviance by chi-square", {.shown = Shown::p_value}, &R::fit, "deviance_p",
+            &P::deviance_p);
+  for (const FitQuantity& one : kThresholds) add_quantity(fields, one, one.name, "se_" + one.name);
+  for (const FitQuantity& one : parameters_of(first.fit.model))
+    add_quantity(fields, one, "parameters." + one.name, "se." + one.name);
+  fields.emplace_back("interval", "kind of the intervals",
+                      [](const R& r) { return r.bootstrap ? "bootstrap" : "profile"; });
+  fields.emplace_back("confidence", "their coverage", [](const R& r) { return r.intervals.confidence; });
+  fields.emplace_back("falling", "the answer is rarer at higher levels", &R::falling);
+  if (!first.bootstrap) return fields;
+  const auto bootstrap = [](const R& r) -> const B& { return *r.bootstrap; };
+  add_parts(fields, "bootstrap.", "samples, by their fit", {}, bootstrap, "replicates", &B::replicates, "estimates",
+            &B::estimates, "separated", &B::separated, "not_increasing", &B::not_increasing, "others", &B::others,
+            "with_pse", &B::with_pse);
+  add_parts(fields, "bootstrap.", "Monte Carlo p of the deviance", {.shown = Shown::p_value}, bootstrap, "deviance_p",
+            &B::deviance_p);
+  return fields;
+}
+
+std::string rate_text(const char* name, const std::optional<double>& rate, double most) {
+  return rate ? fmt::format("{} {:g}", name, *rate) : fmt::format("{} free (0 to {:g})", name, most);
+}
+
+std::string fit_title(const PsychometricModel& model) {
+  return fmt::format("{} function, {}, {}, {}", to_string(model.function),
+                     rate_text("guess", model.guess, kLargestGuess), rate_text("lapse", model.lapse, kLargestLapse),
+                     model.estimator == PsychometricEstimator::ml
+                         ? std::string("maximum likelihood")
+                         : fmt::format("prior Beta({:g}, {:g}) on the lapse", model.prior.a, model.prior.b));
+}
+
+// What the functions say, and below it their parameters.
+std::vector<Block> fit_blocks(const std::vector<FittedGroup>& groups) {
+  const FittedGroup& first = groups.front();
+  const std::string confidence =
+      fmt::format("{:g} % {}", 100 * first.intervals.confidence, first.bootstrap ? "bootstrap" : "profile");
+  std::vector<Block> blocks(2);
+  for (Block& block : blocks) block.with(fit_fields(first), groups);
+  Block& functions = blocks[0];
+  Block& parameters = blocks[1];
+  functions.title = fit_title(first.fit.model);
+  functions.note = "PSE: F = 0.5; JND: from there to F = 0.75; slope dF/dx at the PSE; all without guess and lapse.";
+  functions.columns = columns("name", titled("pse", "PSE"), interval_column("ci.pse", confidence), titled("jnd", "JND"),
+                              interval_column("ci.jnd", confidence), "slope", "deviance",
+                              titled("degrees_of_freedom", "df"), titled("deviance_p", "p"), "status");
+  if (first.bootstrap)
+    functions.columns.insert(functions.columns.end() - 1, titled("bootstrap.deviance_p", "p bootstrap"));
+  explain(functions, "status",
+          {{"lapse_at_bound", "the free lapse is at the end of its range; the errors take it as known"},
+           {"guess_at_bound", "the free guess is at the end of its range; the errors take it as known"},
+           {"not_increasing", "no slope above 0 fits better than one rate for all levels: there is no threshold"},
+           {"separated", "a step fits best: the slope is infinite and the JND below what these levels can show"},
+           {"no_information", "one and the same answer throughout"},
+           {"not_identified", "too few different levels for the free parameters"}});
+  explain(functions, "deviance_p_status",
+          {{"few_trials",
+            "the chi-square p of the deviance needs 5 trials per level on average, and one of each answer; --interval "
+            "bootstrap draws a p without it"}});
+  parameters.note = "SE: standard error from the observed information.";
+  parameters.columns = columns("name", titled("log_likelihood", "log-likelihood"), "trials");
+  for (const FitQuantity& one : parameters_of(first.fit.model))
+    for (const TableColumn& column : {titled("parameters." + one.name, one.name),
+                                      interval_column("ci." + one.name, confidence), titled("se." + one.name, "SE")})
+      parameters.columns.insert(parameters.columns.end() - 2, column);
+  return blocks;
+}
+
+// What the groups share, and which of it makes a difference.
+std::vector<Block> sharing_blocks(const PsychometricComparison& comparison) {
+  using S = SharingFit;
+  using T = SharingTest;
+  const auto fit = [](const S& row) -> const S& { return row; };
+  const auto test = [](const T& row) -> const T& { return row; };
+  std::vector<Block> blocks(2);
+  Fields<S> model_fields;
+  add_parts(model_fields, "", "of the model", {}, fit, "model", &S::sharing, "parameters", &S::parameters, "lapse",
+            &S::lapse, "guess", &S::guess, "status", &S::status);
+  add_parts(model_fields, "", "without binomial constants", {.shown = Shown::given}, fit, "log_likelihood",
+            &S::log_likelihood);
+  blocks[0].with(model_fields, std::vector(comparison.fits.begin(), comparison.fits.end()));
+  blocks[0].title = fmt::format("Do the {} groups differ?", comparison.groups);
+  blocks[0].columns = columns("model", "parameters", titled("log_likelihood", "log-likelihood"), "status");
+  Fields<T> test_fields;
+  add_parts(test_fields, "", "of the test", {}, test, "simpler", &T::simpler, "general", &T::general, "chi2",
+            &T::chi_square, "df", &T::df, "status", &T::status);
+  add_parts(test_fields, "", "of the test", {.shown = Shown::p_value}, test, "p", &T::p);
+  blocks[1].with(test_fields, std::vector(comparison.tests.begin(), comparison.tests.end()));
+  blocks[1].columns = columns(titled("general", "test"), titled("simpler", "against"), titled("chi2", "chi-square"),
+                              "df", "p", "status");
+  blocks[1].footnotes = {
+      "Likelihood ratios of nested models, maximum likelihood; location: PSE; a free lapse or guess is common to all "
+      "groups."};
+  return blocks;
 }
 
 int fit(const FitOptions& options) {
@@ -150,33 +307,34 @@ int fit(const FitOptions& options) {
         fmt::format("{}: --compare needs a column group (of trials: --participant or --condition) "
                     "with at least two groups",
                     options.input.file));
-  std::vector<PsychometricAnswer> answers;
+  std::vector<FittedGroup> fits;
   std::optional<PsychometricComparison> comparison;
   try {
     const WorkLine working("fitting " + options.input.file);
-    answers.reserve(groups.size());
-    for (const LevelGroup& group : groups) answers.push_back(answer_for(group, model, options));
+    for (const LevelGroup& group : groups) fits.push_back(fitted(group, model, options));
     if (options.compare) {
       std::vector<std::vector<PsychometricLevel>> levels;
-      levels.reserve(groups.size());
       for (const LevelGroup& group : groups) levels.push_back(group.levels);
       comparison = compare_psychometric(levels, model);
     }
   } catch (const std::invalid_argument& error) {
     throw InputError(fmt::format("{}: {}", options.input.file, error.what()));
   }
-  for (std::size_t i = 0; i < groups.size(); ++i) {
+  if (fits.empty()) return exit_code::kDone;  // no trial with an answer
+  for (FittedGroup& one : fits) {
     std::vector<AnsweredLevel> levels;
-    for (const PsychometricLevel& one : groups[i].levels) levels.push_back({one.x, one.n, one.k});
-    answers[i].falling = say_falling(levels, groups[i].name.value_or(""));
+    for (const PsychometricLevel& level : one.of.levels) levels.push_back({level.x, level.n, level.k});
+    one.falling = say_falling(levels, one.of.name.value_or(""));
   }
-  if (options.input.json) {
-    for (const PsychometricAnswer& answer : answers) fmt::print("{}\n", json_line(psychometric_json(answer)));
-    if (comparison) fmt::print("{}\n", json_line(psychometric_json(*comparison)));
-  } else {
-    fmt::print("{}", psychometric_text(answers));
-    if (comparison) fmt::print("\n{}", psychometric_text(*comparison));
-  }
+  std::vector<Block> blocks = fit_blocks(fits);
+  std::vector<Block> sharing;
+  if (comparison) sharing = sharing_blocks(*comparison);
+  blocks.insert(blocks.end(), sharing.begin(), sharing.end());
+  print_rows(blocks, options.input.json);
+  if (options.input.json && comparison)
+    print_json(
+        {{"comparison",
+          {{"groups", comparison->groups}, {"models", json_rows(sharing[0])}, {"tests", json_rows(sharing[1])}}}});
   return exit_code::kDone;
 }
 
@@ -209,239 +367,6 @@ void add_calc_psychometric(CommandTree& calc) {
   command.add_flag("--compare", options.compare,
                    "likelihood-ratio tests between groups: own location, own slope, both (maximum likelihood)");
   add_trial_options(command, options.trials, kFitUse);
-}
-
-// `jnd calc fit --json`.
-
-namespace {
-
-using nlohmann::ordered_json;
-
-ordered_json bounds_json(const ConfidenceBounds& bounds) {
-  return ordered_json::array({json_number(bounds.low), json_number(bounds.high)});
-}
-
-// The parameters in their order: the two of the function, then the rates that are free.
-template <typename Entry>
-ordered_json parameters_json(const PsychometricFit& fit, Entry entry) {
-  const auto [location, second] = parameter_names(fit.model.function);
-  ordered_json out = ordered_json::object();
-  out[std::string(location)] = entry(fit.location);
-  out[std::string(second)] = entry(fit.second);
-  if (!fit.model.lapse) out["lapse"] = entry(fit.lapse);
-  if (!fit.model.guess) out["guess"] = entry(fit.guess);
-  return out;
-}
-
-// What the chi-square p of the deviance is.
-constexpr std::string_view kFewTrials = "few_trials";
-std::string_view p_status(const PsychometricFit& fit) {
-  if (std::isnan(fit.deviance)) return "no_information";
-  return fit.degrees_of_freedom < 1 ? "no_degrees_of_freedom" : fit.few_trials ? kFewTrials : "ok";
-}
-
-ordered_json bootstrap_json(const PsychometricBootstrap& bootstrap) {
-  return {{"replicates", bootstrap.replicates},
-          {"estimates", bootstrap.estimates},
-          {"separated", bootstrap.separated},
-          {"not_increasing", bootstrap.not_increasing},
-          {"others", bootstrap.others},
-          {"with_pse", bootstrap.with_pse},
-          {"deviance_p", json_number(bootstrap.deviance_p)}};
-}
-
-}  // namespace
-
-ordered_json psychometric_json(const PsychometricAnswer& answer) {
-  const PsychometricFit& fit = answer.fit;
-  const PsychometricIntervals& intervals = answer.intervals;
-  ordered_json out;
-  out["group"] = answer.group ? ordered_json(*answer.group) : ordered_json(nullptr);
-  if (answer.participant) out["participant"] = *answer.participant;
-  if (answer.condition) out["condition"] = *answer.condition;
-  out["function"] = to_string(fit.model.function);
-  out["estimator"] = to_string(fit.model.estimator);
-  out["parameters"] = parameters_json(fit, [](const PsychometricEstimate& one) { return json_number(one.value); });
-  out["se"] = parameters_json(fit, [](const PsychometricEstimate& one) { return json_number(one.se); });
-  // A fixed rate is known, whatever the data.
-  out["guess"] = json_number(fit.model.guess.value_or(fit.guess.value));
-  out["lapse"] = json_number(fit.model.lapse.value_or(fit.lapse.value));
-  out["log_likelihood"] = json_number(fit.log_likelihood);
-  out["deviance"] = json_number(fit.deviance);
-  out["degrees_of_freedom"] = fit.degrees_of_freedom;
-  out["deviance_p"] = json_number(fit.deviance_p);
-  out["deviance_p_status"] = p_status(fit);
-  out["pse"] = json_number(fit.pse.value);
-  out["jnd"] = json_number(fit.jnd.value);
-  out["slope"] = json_number(fit.slope.value);
-  out["se_pse"] = json_number(fit.pse.se);
-  out["se_jnd"] = json_number(fit.jnd.se);
-  out["se_slope"] = json_number(fit.slope.se);
-  const auto [location, second] = parameter_names(fit.model.function);
-  ordered_json ci = {{"pse", bounds_json(intervals.pse)},
-                     {"jnd", bounds_json(intervals.jnd)},
-                     {"slope", bounds_json(intervals.slope)}};
-  ci[std::string(location)] = bounds_json(intervals.location);
-  ci[std::string(second)] = bounds_json(intervals.second);
-  if (!fit.model.lapse) ci["lapse"] = bounds_json(intervals.lapse);
-  if (!fit.model.guess) ci["guess"] = bounds_json(intervals.guess);
-  out["ci"] = ci;
-  out["interval"] = answer.bootstrap ? "bootstrap" : "profile";
-  out["confidence"] = intervals.confidence;
-  if (answer.bootstrap) out["bootstrap"] = bootstrap_json(*answer.bootstrap);
-  out["falling"] = answer.falling;
-  out["levels"] = fit.levels;
-  out["trials"] = fit.trials;
-  out["status"] = to_string(fit.status);
-  return out;
-}
-
-ordered_json psychometric_json(const PsychometricComparison& comparison) {
-  ordered_json models = ordered_json::array(), tests = ordered_json::array();
-  for (const SharingFit& fit : comparison.fits)
-    models.push_back({{"model", to_string(fit.sharing)},
-                      {"parameters", fit.parameters},
-                      {"log_likelihood", json_number(fit.log_likelihood)},
-                      {"lapse", json_number(fit.lapse)},
-                      {"guess", json_number(fit.guess)},
-                      {"status", to_string(fit.status)}});
-  for (const SharingTest& test : comparison.tests)
-    tests.push_back({{"simpler", to_string(test.simpler)},
-                     {"general", to_string(test.general)},
-                     {"chi2", json_number(test.chi_square)},
-                     {"df", test.df},
-                     {"p", json_number(test.p)},
-                     {"status", to_string(test.status)}});
-  return {{"comparison", {{"groups", comparison.groups}, {"models", models}, {"tests", tests}}}};
-}
-
-// `jnd calc fit` for a person.
-
-namespace {
-
-using Align = TextTable::Align;
-
-std::string fit_number(double value) {
-  if (std::isnan(value)) return "-";
-  if (std::isinf(value)) return value > 0 ? "inf" : "-inf";
-  return fmt::format("{:.5g}", value);
-}
-
-std::string fit_interval(const ConfidenceBounds& bounds) {
-  return range_text(fit_number(bounds.low), fit_number(bounds.high));
-}
-
-std::string with_error(const PsychometricEstimate& estimate) {
-  return std::isnan(estimate.se) ? fit_number(estimate.value)
-                                 : fit_number(estimate.value) + " ± " + fmt::format("{:.2g}", estimate.se);
-}
-
-std::string p_text(double p) {
-  if (std::isnan(p)) return "-";
-  return p < 0.0001 ? "< 0.0001" : fmt::format("{:.4f}", p);
-}
-
-std::string rate_text(const char* name, const std::optional<double>& rate, double most) {
-  return rate ? fmt::format("{} {:g}", name, *rate) : fmt::format("{} free (0 to {:g})", name, most);
-}
-
-std::string heading(const PsychometricModel& model) {
-  return fmt::format("{} function, {}, {}, {}", to_string(model.function),
-                     rate_text("guess", model.guess, kLargestGuess), rate_text("lapse", model.lapse, kLargestLapse),
-                     model.estimator == PsychometricEstimator::ml
-                         ? std::string("maximum likelihood")
-                         : fmt::format("prior Beta({:g}, {:g}) on the lapse", model.prior.a, model.prior.b));
-}
-
-// What each status means, once for all rows that have it.
-std::string meanings_text(const std::vector<PsychometricAnswer>& answers) {
-  using Status = PsychometricStatus;
-  static constexpr std::pair<Status, const char*> kMeanings[] = {
-      {Status::lapse_at_bound, "the free lapse is at the end of its range; the errors take it as known"},
-      {Status::guess_at_bound, "the free guess is at the end of its range; the errors take it as known"},
-      {Status::not_increasing, "no slope above 0 fits better than one rate for all levels: there is no threshold"},
-      {Status::separated, "a step fits best: the slope is infinite and the JND below what these levels can show"},
-      {Status::no_information, "one and the same answer throughout"},
-      {Status::not_identified, "too few different levels for the free parameters"}};
-  std::string text;
-  for (const auto& [status, meaning] : kMeanings)
-    for (const PsychometricAnswer& answer : answers)
-      if (answer.fit.status == status) {
-        text += warn(fmt::format("{}: {}.", to_string(status), meaning)) + "\n";
-        break;
-      }
-  for (const PsychometricAnswer& answer : answers)
-    if (p_status(answer.fit) == kFewTrials)
-      return text +
-             warn(
-                 "few_trials: the chi-square p of the deviance needs 5 trials per level on average, and one of "
-                 "each\nanswer; --interval bootstrap draws a p without it.") +
-             "\n";
-  return text;
-}
-
-}  // namespace
-
-std::string psychometric_text(const std::vector<PsychometricAnswer>& answers) {
-  if (answers.empty()) return "";
-  const PsychometricModel& model = answers.front().fit.model;
-  const bool bootstrap = answers.front().bootstrap.has_value();
-  const std::string confidence =
-      fmt::format("{:g} % {}", 100 * answers.front().intervals.confidence, bootstrap ? "bootstrap" : "profile");
-  const auto [location, second] = parameter_names(model.function);
-  TextTable thresholds({"group", "PSE", confidence, "JND", confidence, "slope", "deviance", "df", "p",
-                        bootstrap ? "p bootstrap" : "", "status"},
-                       {Align::left, Align::right, Align::right, Align::right, Align::right, Align::right, Align::right,
-                        Align::right, Align::right, Align::right, Align::left});
-  TextTable parameters({"group", std::string(location), confidence, std::string(second), confidence, "lapse", "guess",
-                        "log-likelihood", "trials"},
-                       {Align::left, Align::right, Align::right, Align::right, Align::right, Align::right, Align::right,
-                        Align::right, Align::right});
-  for (const PsychometricAnswer& answer : answers) {
-    const PsychometricFit& fit = answer.fit;
-    const std::string group = printable(answer.group.value_or("all"));
-    thresholds.add({group, fit_number(fit.pse.value), fit_interval(answer.intervals.pse), fit_number(fit.jnd.value),
-                    fit_interval(answer.intervals.jnd), fit_number(fit.slope.value), fit_number(fit.deviance),
-                    std::to_string(fit.degrees_of_freedom),
-                    p_status(fit) == kFewTrials ? std::string(kFewTrials) : p_text(fit.deviance_p),
-                    answer.bootstrap ? p_text(answer.bootstrap->deviance_p) : "", std::string(to_string(fit.status))});
-    parameters.add({group, with_error(fit.location), fit_interval(answer.intervals.location), with_error(fit.second),
-                    fit_interval(answer.intervals.second),
-                    model.lapse ? fit_number(*model.lapse) : with_error(fit.lapse),
-                    model.guess ? fit_number(*model.guess) : with_error(fit.guess), fit_number(fit.log_likelihood),
-                    std::to_string(fit.trials)});
-  }
-  std::string text = bold(heading(model)) + "\n" + thresholds.text();
-  text +=
-      dim("PSE: F = 0.5; JND: from there to F = 0.75; slope dF/dx at the PSE; all without guess and lapse.") + "\n\n";
-  text += parameters.text() + dim("± standard error from the observed information.") + "\n";
-  return text + meanings_text(answers);
-}
-
-std::string psychometric_text(const PsychometricComparison& comparison) {
-  const auto words = [](PsychometricSharing sharing) {
-    std::string text(to_string(sharing));
-    for (char& c : text)
-      if (c == '_') c = ' ';
-    return text;
-  };
-  TextTable models({"model", "parameters", "log-likelihood", "status"},
-                   {Align::left, Align::right, Align::right, Align::left});
-  for (const SharingFit& fit : comparison.fits)
-    models.add({words(fit.sharing), std::to_string(fit.parameters),
-                std::isnan(fit.log_likelihood) ? "-" : fmt::format("{:.3f}", fit.log_likelihood),
-                std::string(to_string(fit.status))});
-  TextTable tests({"test", "against", "chi-square", "df", "p", "status"},
-                  {Align::left, Align::left, Align::right, Align::right, Align::right, Align::left});
-  for (const SharingTest& test : comparison.tests)
-    tests.add({words(test.general), words(test.simpler),
-               std::isnan(test.chi_square) ? "-" : fmt::format("{:.3f}", test.chi_square), std::to_string(test.df),
-               p_text(test.p), std::string(to_string(test.status))});
-  return bold(fmt::format("Do the {} groups differ?", comparison.groups)) + "\n" + models.text() + "\n" + tests.text() +
-         dim("Likelihood ratios of nested models, maximum likelihood; location: PSE; a free lapse or guess is common "
-             "to "
-             "all groups.") +
-         "\n";
 }
 
 }  // namespace jnd

@@ -1,7 +1,6 @@
 // jnd calc ratings, sureness, identify: answers in ordered categories.
 #include <algorithm>
 #include <charconv>
-#include <cmath>
 #include <cstddef>
 #include <map>
 #include <optional>
@@ -16,13 +15,15 @@
 #include "analysis/ratings/identification.h"
 #include "analysis/ratings/rating_roc.h"
 #include "analysis/ratings/sureness.h"
+#include "data/blocks/part_fields.h"
+#include "data/fields/number_text.h"
 #include "protocols/input/csv_table.h"
 #include "runner/calc/calc.h"
+#include "runner/calc/calc_output.h"
+#include "runner/calc/interval_fields.h"
 #include "runner/terminal/exit_code.h"
 #include "runner/terminal/json_output.h"
-#include "runner/terminal/number_text.h"
 #include "runner/terminal/terminal.h"
-#include "runner/terminal/text_table.h"
 
 namespace jnd {
 
@@ -48,16 +49,6 @@ std::vector<RowGroup> row_groups(const CsvTable& table) {
   return groups;
 }
 
-// Null without a name.
-nlohmann::ordered_json name_json(const RowGroup& group) {
-  return group.name ? nlohmann::ordered_json(*group.name) : nlohmann::ordered_json(nullptr);
-}
-
-// "all" without a name; printable.
-std::string name_text(const RowGroup& group) {
-  return printable(group.name.value_or("all"));
-}
-
 // Adds the count in column n of a row to sum. Throws InputError, located, where it is not a whole number of 0 or more,
 // or the sum would pass a thousand million.
 void add_count(const CsvTable& table, std::size_t row, int& sum) {
@@ -69,46 +60,12 @@ void add_count(const CsvTable& table, std::size_t row, int& sum) {
 }
 
 using nlohmann::ordered_json;
-using Align = TextTable::Align;
 
 constexpr int kMostCategories = 100;  // and classes: the work grows with the third power
 
-std::string rating_number(double value) {
-  return number_text(value, 3);
-}
-
-std::string significant(double value) {
-  if (std::isnan(value)) return "-";
-  if (std::isinf(value)) return value > 0 ? "inf" : "-inf";
-  return fmt::format("{:.5g}", value);
-}
-
-std::string with_rating_error(const RatingEstimate& estimate) {
-  return std::isnan(estimate.se) ? rating_number(estimate.value)
-                                 : fmt::format("{:.3f} ± {:.3f}", estimate.value, estimate.se);
-}
-
-template <typename Member>
-ordered_json estimates_json(const std::vector<RatingEstimate>& estimates, Member member) {
-  ordered_json out = ordered_json::array();
-  for (const RatingEstimate& estimate : estimates) out.push_back(json_number(estimate.*member));
-  return out;
-}
-
-// The meaning of each status that some row has, once.
-template <typename Status, std::size_t N>
-std::string meanings_of(const std::pair<Status, const char*> (&meanings)[N], const std::vector<Status>& found) {
-  std::string text;
-  for (const auto& [status, meaning] : meanings)
-    if (std::find(found.begin(), found.end(), status) != found.end())
-      text += warn(fmt::format("{}: {}.", to_string(status), meaning)) + "\n";
-  return text;
-}
-
-// ---- ratings
-
 struct RatingsOptions {
   CalcInput input;
+  std::vector<std::string> classes{};  // of identify
 };
 
 struct RatingCounts {
@@ -137,83 +94,70 @@ struct NamedRatings {
   RatingRoc found;
 };
 
-ordered_json equal_json(const EqualVarianceRoc& roc) {
-  return {{"loglik", json_number(roc.log_likelihood)},
-          {"criteria", estimates_json(roc.criteria, &RatingEstimate::value)},
-          {"criteria_se", estimates_json(roc.criteria, &RatingEstimate::se)},
-          {"dprime", json_number(roc.dprime.value)},
-          {"dprime_se", json_number(roc.dprime.se)},
-          {"A_z", json_number(roc.area.value)},
-          {"A_z_se", json_number(roc.area.se)},
-          {"deviance", json_number(roc.deviance)},
-          {"status", to_string(roc.status)}};
+template <typename Roc>
+auto value_of(RatingEstimate Roc::*estimate) {
+  return [estimate](const Roc& of) { return (of.*estimate).value; };
+}
+template <typename Roc>
+auto se_of(RatingEstimate Roc::*estimate) {
+  return [estimate](const Roc& of) { return null_if_nan((of.*estimate).se); };
+}
+template <typename Roc>
+auto criteria_of(double RatingEstimate::*part) {
+  return [part](const Roc& of) {
+    std::vector<double> values;
+    for (const RatingEstimate& one : of.criteria) values.push_back(one.*part);
+    return values;
+  };
 }
 
-ordered_json unequal_json(const UnequalVarianceRoc& roc) {
-  return {{"loglik", json_number(roc.log_likelihood)},
-          {"criteria", estimates_json(roc.criteria, &RatingEstimate::value)},
-          {"criteria_se", estimates_json(roc.criteria, &RatingEstimate::se)},
-          {"mu", json_number(roc.mu.value)},
-          {"mu_se", json_number(roc.mu.se)},
-          {"ln_sigma", json_number(roc.ln_sigma.value)},
-          {"ln_sigma_se", json_number(roc.ln_sigma.se)},
-          {"sigma", json_number(roc.sigma.value)},
-          {"zroc_slope", json_number(roc.zroc_slope.value)},
-          {"zroc_slope_se", json_number(roc.zroc_slope.se)},
-          {"d_a", json_number(roc.d_a.value)},
-          {"d_a_se", json_number(roc.d_a.se)},
-          {"A_z", json_number(roc.area.value)},
-          {"A_z_se", json_number(roc.area.se)},
-          {"deviance", json_number(roc.deviance)},
-          {"lr_equal_variance", json_number(roc.lr_equal_variance)},
-          {"p_equal_variance", json_number(roc.p_equal_variance)},
-          {"status", to_string(roc.status)}};
-}
-
-ordered_json ratings_json(const NamedRatings& named) {
-  const RatingRoc& found = named.found;
-  ordered_json out;
-  out["group"] = name_json(named.group);
-  out["noise"] = named.counts.noise;
-  out["signal"] = named.counts.signal;
-  out["categories_used"] = found.categories_used;
-  out["equal_variance"] = equal_json(found.equal);
-  // What there is no model for is null; its status says why.
-  const bool no_model = found.unequal.status == RatingStatus::not_applicable;
-  out["unequal_variance"] = no_model ? ordered_json(nullptr) : unequal_json(found.unequal);
-  out["unequal_variance_status"] = to_string(found.unequal.status);
-  out["auc_trapezoid"] = json_number(found.area_trapezoid.value);
-  out["auc_delong_se"] = json_number(found.area_trapezoid.se);
-  out["status"] = to_string(found.equal.status);
-  return out;
-}
-
-constexpr std::pair<RatingStatus, const char*> kRatingMeanings[] = {
-    {RatingStatus::separated, "noise and signal share one category at most: d' is infinite"},
-    {RatingStatus::unbounded,
-     "some of the ratings say nothing about sigma: equal variances, or the trapezoids, remain"},
-    {RatingStatus::not_applicable, "unequal variances need three categories in use, and classes that overlap"},
-    {RatingStatus::no_information, "one and the same rating throughout"},
-    {RatingStatus::missing, "no trial of one class"}};
-
-std::string ratings_text(const std::vector<NamedRatings>& rows) {
-  const std::vector<Align> align = {Align::left, Align::right, Align::right, Align::right, Align::right, Align::left};
-  TextTable equal({"group", "d'", "A_z", "deviance", "trapezoids", "status"}, align);
-  TextTable unequal({"group", "d_a", "A_z", "slope of z-ROC", "p of equal variances", "status"}, align);
-  std::vector<RatingStatus> statuses;
-  for (const auto& [group, counts, found] : rows) {
-    equal.add({name_text(group), with_rating_error(found.equal.dprime), with_rating_error(found.equal.area),
-               rating_number(found.equal.deviance), with_rating_error(found.area_trapezoid),
-               std::string(to_string(found.equal.status))});
-    unequal.add({name_text(group), with_rating_error(found.unequal.d_a), with_rating_error(found.unequal.area),
-                 with_rating_error(found.unequal.zroc_slope), p_value_text(found.unequal.p_equal_variance),
-                 std::string(to_string(found.unequal.status))});
-    statuses.push_back(found.equal.status);
-    statuses.push_back(found.unequal.status);
-  }
-  return bold("equal variances") + "\n" + equal.text() + "\n" + bold("unequal variances") + "\n" + unequal.text() +
-         dim("Maximum likelihood; ± standard error from the observed information, of the trapezoids after DeLong.") +
-         "\n" + meanings_of(kRatingMeanings, statuses);
+std::vector<Block> ratings_blocks(const std::vector<NamedRatings>& rows) {
+  using R = NamedRatings;
+  using E = EqualVarianceRoc;
+  using U = UnequalVarianceRoc;
+  const auto equal_roc = [](const R& r) { return r.found.equal; };
+  const auto unequal_roc = [](const R& r) { return r.found.unequal; };
+  const std::string fit = "of the fit", estimate = "estimate, or its standard error";
+  Fields<R> fields = name_fields<R>("group", [](const R& r) { return r.group.name; });
+  add_parts(fields, "equal_variance.", fit, {}, equal_roc, "loglik", &E::log_likelihood, "deviance", &E::deviance,
+            "criteria", criteria_of<E>(&RatingEstimate::value), "criteria_se", criteria_of<E>(&RatingEstimate::se),
+            "status", &E::status);
+  add_parts(fields, "equal_variance.", estimate, {}, equal_roc, "dprime", value_of(&E::dprime), "dprime_se",
+            se_of(&E::dprime), "A_z", value_of(&E::area), "A_z_se", se_of(&E::area));
+  add_parts(fields, "unequal_variance.", fit, {}, unequal_roc, "loglik", &U::log_likelihood, "deviance", &U::deviance,
+            "criteria", criteria_of<U>(&RatingEstimate::value), "criteria_se", criteria_of<U>(&RatingEstimate::se),
+            "lr_equal_variance", &U::lr_equal_variance, "status", &U::status);
+  add_parts(fields, "unequal_variance.", "of lr_equal_variance", {.shown = Shown::p_value}, unequal_roc,
+            "p_equal_variance", &U::p_equal_variance);
+  add_parts(fields, "unequal_variance.", estimate, {}, unequal_roc, "mu", value_of(&U::mu), "mu_se", se_of(&U::mu),
+            "ln_sigma", value_of(&U::ln_sigma), "ln_sigma_se", se_of(&U::ln_sigma), "sigma", value_of(&U::sigma),
+            "zroc_slope", value_of(&U::zroc_slope), "zroc_slope_se", se_of(&U::zroc_slope), "d_a", value_of(&U::d_a),
+            "d_a_se", se_of(&U::d_a), "A_z", value_of(&U::area), "A_z_se", se_of(&U::area));
+  add_parts(fields, "", "area below the trapezoids", {}, &R::found, "auc_trapezoid",
+            value_of(&RatingRoc::area_trapezoid), "auc_delong_se", se_of(&RatingRoc::area_trapezoid));
+  add_parts(fields, "", fit, {}, equal_roc, "status", &E::status);
+  add_parts(fields, "", fit, {}, unequal_roc, "unequal_variance_status", &U::status);
+  Block equal, unequal;
+  equal.title = "equal variances";
+  equal.columns = columns("name", with_se("equal_variance.dprime", "d'"), with_se("equal_variance.A_z", "A_z"),
+                          titled("equal_variance.deviance", "deviance"),
+                          share("auc_trapezoid", "auc_delong_se", "trapezoids", " ± "), "status");
+  unequal.title = "unequal variances";
+  unequal.note = "Maximum likelihood; ± standard error from the observed information, of the trapezoids after DeLong.";
+  unequal.columns = columns("name", with_se("unequal_variance.d_a", "d_a"), with_se("unequal_variance.A_z", "A_z"),
+                            with_se("unequal_variance.zroc_slope", "slope of z-ROC"),
+                            titled("unequal_variance.p_equal_variance", "p of equal variances"),
+                            titled("unequal_variance_status", "status"));
+  equal.with(fields, rows);
+  unequal.with(fields, rows);
+  explain(equal, "status",
+          {{"separated", "noise and signal share one category at most: d' is infinite"},
+           {"no_information", "one and the same rating throughout"},
+           {"missing", "no trial of one class"}});
+  explain(unequal, "unequal_variance_status",
+          {{"unbounded", "some of the ratings say nothing about sigma: equal variances, or the trapezoids, remain"},
+           {"not_applicable", "unequal variances need three categories in use, and classes that overlap"}});
+  return {equal, unequal};
 }
 
 int ratings(const RatingsOptions& options) {
@@ -223,18 +167,17 @@ int ratings(const RatingsOptions& options) {
     const RatingCounts counts = rating_counts(table, group);
     rows.push_back({group, counts, rating_roc(counts.noise, counts.signal)});
   }
-  if (options.input.json)
-    for (const NamedRatings& row : rows) fmt::print("{}\n", json_line(ratings_json(row)));
-  else
-    fmt::print("{}", ratings_text(rows));
+  print_rows(ratings_blocks(rows), options.input.json, [&](ordered_json& line, std::size_t row) {
+    line["noise"] = rows[row].counts.noise;
+    line["signal"] = rows[row].counts.signal;
+    line["categories_used"] = rows[row].found.categories_used;
+    // What there is no model for is null; its status says why.
+    if (rows[row].found.unequal.status == RatingStatus::not_applicable) line["unequal_variance"] = nullptr;
+  });
   return exit_code::kDone;
 }
 
 // ---- sureness
-
-struct SurenessOptions {
-  CalcInput input;
-};
 
 std::vector<SurenessLevel> sureness_levels_of(const CsvTable& table, const RowGroup& group) {
   std::size_t categories = 0;
@@ -261,79 +204,56 @@ struct NamedSureness {
   Sureness found;
 };
 
-ordered_json sureness_json(const NamedSureness& named) {
-  const Sureness& found = named.found;
-  ordered_json out;
-  out["group"] = name_json(named.group);
-  out["dK"] = ordered_json::array();
-  out["counts"] = ordered_json::array();
-  for (const SurenessLevel& level : named.levels) {
-    out["dK"].push_back(level.delta);
-    out["counts"].push_back(level.counts);
-  }
-  out["categories_used"] = found.categories_used;
-  out["loglik_saturated"] = json_number(found.log_likelihood_saturated);
-  out["status"] = to_string(found.status);
-  out["loglik"] = json_number(found.log_likelihood);
-  out["sigma"] = json_number(found.sigma);
-  out["criteria"] = json_numbers(found.criteria);
-  out["ln_sigma_se"] = json_number(found.ln_sigma_se);
-  out["deviance"] = json_number(found.deviance);
-  out["sigma_ci"] = ordered_json::array({json_number(found.sigma_low), json_number(found.sigma_high)});
-  out["lr_zero_slope"] = json_number(found.lr_zero_slope);
-  out["p_zero_slope"] = json_number(found.p_zero_slope);
-  return out;
+std::string criteria_text(const Sureness& of) {
+  std::string text;
+  for (const double one : of.criteria) text.append(text.empty() ? "" : " ").append(number_text(one, 3));
+  return text;
 }
 
-constexpr std::pair<SurenessStatus, const char*> kSurenessMeanings[] = {
-    {SurenessStatus::flat, "answers do not move towards \"different\" as delta grows: there is no JND"},
-    {SurenessStatus::separated, "answers to different deltas do not overlap: the JND is below what these can show"},
-    {SurenessStatus::not_identified, "trials at one delta only"},
-    {SurenessStatus::no_information, "one and the same answer throughout"},
-    {SurenessStatus::missing, "no trial"}};
-
-std::string sureness_text(const std::vector<NamedSureness>& rows) {
-  TextTable table(
-      {"group", "JND (sigma)", "95 % profile", "se of ln", "deviance", "p of no slope", "criteria", "status"},
-      {Align::left, Align::right, Align::right, Align::right, Align::right, Align::right, Align::right, Align::left});
-  std::vector<SurenessStatus> statuses;
-  for (const auto& [group, levels, found] : rows) {
-    std::string criteria;
-    for (const double criterion : found.criteria) {
-      if (!criteria.empty()) criteria += ' ';
-      criteria += rating_number(criterion);
-    }
-    table.add({name_text(group), significant(found.sigma),
-               range_text(significant(found.sigma_low), significant(found.sigma_high)),
-               rating_number(found.ln_sigma_se), rating_number(found.deviance), p_value_text(found.p_zero_slope),
-               criteria.empty() ? "-" : criteria, std::string(to_string(found.status))});
-    statuses.push_back(found.status);
-  }
-  return bold("same-different with sureness, ordered probit") + "\n" + table.text() +
-         dim("sigma: the difference that adds d' = 1. Maximum likelihood, profile-likelihood interval.") + "\n" +
-         meanings_of(kSurenessMeanings, statuses);
+Block sureness_block(const std::vector<NamedSureness>& rows) {
+  using R = NamedSureness;
+  using S = Sureness;
+  Fields<R> fields = name_fields<R>("group", [](const R& r) { return r.group.name; });
+  add_parts(fields, "", "of the ordered probit model", {}, &R::found, "loglik_saturated", &S::log_likelihood_saturated,
+            "status", &S::status, "loglik", &S::log_likelihood, "sigma", &S::sigma, "criteria", &S::criteria,
+            "ln_sigma_se", &S::ln_sigma_se, "deviance", &S::deviance, "lr_zero_slope", &S::lr_zero_slope);
+  add_parts(fields, "", "of lr_zero_slope", {.shown = Shown::p_value}, &R::found, "p_zero_slope", &S::p_zero_slope);
+  add_interval(fields, "sigma_ci", ends(&R::found, &S::sigma_low, &S::sigma_high));
+  add_parts(fields, "", "the criteria for tables", {.place = Place::table}, &R::found, "criteria_text", criteria_text);
+  Block block;
+  block.title = "same-different with sureness, ordered probit";
+  block.note = "sigma: the difference that adds d' = 1. Maximum likelihood, profile-likelihood interval.";
+  block.columns = columns("name", titled("sigma", "JND (sigma)"), interval_column("sigma_ci", "95 % profile"),
+                          titled("ln_sigma_se", "se of ln"), "deviance", titled("p_zero_slope", "p of no slope"),
+                          titled("criteria_text", "criteria"), "status");
+  block.with(fields, rows);
+  explain(block, "status",
+          {{"flat", "answers do not move towards \"different\" as delta grows: there is no JND"},
+           {"separated", "answers to different deltas do not overlap: the JND is below what these can show"},
+           {"not_identified", "trials at one delta only"},
+           {"no_information", "one and the same answer throughout"},
+           {"missing", "no trial"}});
+  return block;
 }
 
-int run_sureness(const SurenessOptions& options) {
+int run_sureness(const RatingsOptions& options) {
   const CsvTable table = CsvTable::read(options.input.file, {"delta", "category", "n"}, {"group"});
   std::vector<NamedSureness> rows;
   for (const RowGroup& group : row_groups(table)) {
     const std::vector<SurenessLevel> levels = sureness_levels_of(table, group);
     rows.push_back({group, levels, sureness(levels)});
   }
-  if (options.input.json)
-    for (const NamedSureness& row : rows) fmt::print("{}\n", json_line(sureness_json(row)));
-  else
-    fmt::print("{}", sureness_text(rows));
+  print_rows({sureness_block(rows)}, options.input.json, [&](ordered_json& line, std::size_t row) {
+    line["categories_used"] = rows[row].found.categories_used;
+    for (const SurenessLevel& level : rows[row].levels) {
+      line["dK"].push_back(level.delta);
+      line["counts"].push_back(level.counts);
+    }
+  });
   return exit_code::kDone;
 }
 
 // ---- identify
-
-struct IdentifyOptions {
-  CalcInput input;
-  std::vector<std::string> classes;
-};
 
 bool is_number(const std::string& text, double& value) {
   const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -358,7 +278,7 @@ std::vector<std::string> sorted_classes(const CsvTable& table) {
   return out;
 }
 
-std::vector<std::string> classes_of(const CsvTable& table, const IdentifyOptions& options) {
+std::vector<std::string> classes_of(const CsvTable& table, const RatingsOptions& options) {
   std::vector<std::string> classes = options.classes;
   for (std::size_t i = 0; i < classes.size(); ++i)
     if (std::find(classes.begin(), classes.begin() + static_cast<std::ptrdiff_t>(i), classes[i]) !=
@@ -386,75 +306,62 @@ struct NamedIdentification {
   Identification found;
 };
 
-ordered_json scale_json(const IdentificationScale& scale) {
-  ordered_json adjacent = ordered_json::array();
-  for (const AdjacentDprime& one : scale.adjacent)
-    adjacent.push_back({{"dprime", json_number(one.dprime)}, {"se", json_number(one.se)}});
-  return {{"loglik", json_number(scale.log_likelihood)},
-          {"criteria", json_numbers(scale.criteria)},
-          {"categories_used", scale.categories_used},
-          {"mu", json_numbers(scale.mu)},
-          {"adjacent", adjacent},
-          {"total_dprime", json_number(scale.total_dprime)},
-          {"status", to_string(scale.status)}};
-}
+struct IdentifiedStep {
+  std::string group, from, to;
+  double dprime;
+  std::optional<double> dprime_se;
+  double loglinear;
+};
 
-ordered_json identification_json(const NamedIdentification& named, const std::vector<std::string>& classes) {
-  const Identification& found = named.found;
-  ordered_json out;
-  out["group"] = name_json(named.group);
-  out["classes"] = classes;
-  out["n"] = found.trials;
-  out["information_bits"] = json_number(found.information_bits);
-  out["stimulus_entropy_bits"] = json_number(found.stimulus_entropy_bits);
-  out["response_entropy_bits"] = json_number(found.response_entropy_bits);
-  out["jackknife_bits"] = json_number(found.jackknife_bits);
-  out["miller_madow_bits"] = json_number(found.miller_madow_bits);
-  out["table_corrected_bits"] = json_number(found.table_corrected_bits);
-  out["relative"] = json_number(found.relative);
-  out["equivalent_classes"] = json_number(found.equivalent_classes);
-  out["proportion_correct"] = json_number(found.proportion_correct);
-  out["adjacent_loglinear"] = json_numbers(found.adjacent_loglinear);
-  out["ml"] = scale_json(found.ml);
-  out["status"] = to_string(found.ml.status);
-  return out;
-}
-
-constexpr std::pair<IdentificationStatus, const char*> kIdentificationMeanings[] = {
-    {IdentificationStatus::separated, "groups of stimuli share no more than one response: d' between them is infinite"},
-    {IdentificationStatus::single_class, "trials of one stimulus only"},
-    {IdentificationStatus::no_information, "one and the same response throughout"},
-    {IdentificationStatus::missing, "no trial"}};
-
-std::string identification_text(const std::vector<NamedIdentification>& rows, const std::vector<std::string>& classes) {
-  TextTable information({"group", "trials", "correct", "bits", "jackknife", "Miller-Madow", "table corrected",
-                         "of the stimuli's", "equivalent classes", "status"},
-                        {Align::left, Align::right, Align::right, Align::right, Align::right, Align::right,
-                         Align::right, Align::right, Align::right, Align::left});
-  TextTable steps({"group", "from", "to", "d'", "log-linear"},
-                  {Align::left, Align::left, Align::left, Align::right, Align::right});
-  std::vector<IdentificationStatus> statuses;
-  for (const auto& [group, found] : rows) {
-    information.add({name_text(group), std::to_string(found.trials), percent_text(found.proportion_correct),
-                     rating_number(found.information_bits), rating_number(found.jackknife_bits),
-                     rating_number(found.miller_madow_bits), rating_number(found.table_corrected_bits),
-                     percent_text(found.relative), rating_number(found.equivalent_classes),
-                     std::string(to_string(found.ml.status))});
+std::vector<Block> identification_blocks(const std::vector<NamedIdentification>& rows,
+                                         const std::vector<std::string>& classes) {
+  using R = NamedIdentification;
+  using I = Identification;
+  using S = IdentificationScale;
+  Fields<R> fields = name_fields<R>("group", [](const R& r) { return r.group.name; });
+  add_parts(fields, "", "trials, and bits of information", {}, &R::found, "n", &I::trials, "information_bits",
+            &I::information_bits, "stimulus_entropy_bits", &I::stimulus_entropy_bits, "response_entropy_bits",
+            &I::response_entropy_bits, "jackknife_bits", &I::jackknife_bits, "miller_madow_bits", &I::miller_madow_bits,
+            "table_corrected_bits", &I::table_corrected_bits, "equivalent_classes", &I::equivalent_classes,
+            "adjacent_loglinear", &I::adjacent_loglinear);
+  add_parts(fields, "", "shares", {.shown = Shown::percent}, &R::found, "relative", &I::relative, "proportion_correct",
+            &I::proportion_correct);
+  const auto scale = [](const R& r) { return r.found.ml; };
+  add_parts(fields, "ml.", "of the scale by maximum likelihood", {}, scale, "loglik", &S::log_likelihood, "criteria",
+            &S::criteria, "mu", &S::mu, "total_dprime", &S::total_dprime, "status", &S::status);
+  add_parts(fields, "", "of that scale", {}, scale, "status", &S::status);
+  Block information, steps;
+  information.title = "information that responses transmit";
+  information.columns =
+      columns("name", titled("n", "trials"), titled("proportion_correct", "correct"),
+              titled("information_bits", "bits"), titled("jackknife_bits", "jackknife"),
+              titled("miller_madow_bits", "Miller-Madow"), titled("table_corrected_bits", "table corrected"),
+              titled("relative", "of the stimuli's"), titled("equivalent_classes", "equivalent classes"), "status");
+  information.note = "Bits of the counts as they are, and under three corrections of their bias.";
+  information.with(fields, rows);
+  explain(information, "status",
+          {{"separated", "groups of stimuli share no more than one response: d' between them is infinite"},
+           {"single_class", "trials of one stimulus only"},
+           {"no_information", "one and the same response throughout"},
+           {"missing", "no trial"}});
+  using T = IdentifiedStep;
+  std::vector<T> neighbours;
+  for (const auto& [group, found] : rows)
     for (std::size_t i = 0; i + 1 < classes.size(); ++i)
-      steps.add({name_text(group), printable(classes[i]), printable(classes[i + 1]),
-                 with_rating_error({found.ml.adjacent[i].dprime, found.ml.adjacent[i].se}),
-                 rating_number(found.adjacent_loglinear[i])});
-    statuses.push_back(found.ml.status);
-  }
-  std::string text = bold("information that responses transmit") + "\n" + information.text();
-  if (classes.size() > 1) text += "\n" + bold("d' between neighbours") + "\n" + steps.text();
-  return text +
-         dim("Bits of the counts as they are, and under three corrections of their bias. d': maximum likelihood, criteria "
-             "common\nto all stimuli, ± standard error; beside it that of log-linear rates.") +
-         "\n" + meanings_of(kIdentificationMeanings, statuses);
+      neighbours.push_back({group.name.value_or("all"), classes[i], classes[i + 1], found.ml.adjacent[i].dprime,
+                            null_if_nan(found.ml.adjacent[i].se), found.adjacent_loglinear[i]});
+  Fields<T> step_fields;
+  add_parts(
+      step_fields, "", "of two neighbours", {}, [](const T& r) { return r; }, "group", &T::group, "from", &T::from,
+      "to", &T::to, "dprime", &T::dprime, "dprime_se", &T::dprime_se, "log-linear", &T::loglinear);
+  steps.title = "d' between neighbours";
+  steps.note =
+      "d': maximum likelihood, criteria common to all stimuli, ± standard error; beside it that of log-linear rates.";
+  steps.columns = columns("group", "from", "to", with_se("dprime", "d'"), "log-linear");
+  return {information, steps.with(step_fields, std::move(neighbours))};
 }
 
-int identify(const IdentifyOptions& options) {
+int identify(const RatingsOptions& options) {
   const CsvTable table = CsvTable::read(options.input.file, {"stimulus", "response", "n"}, {"group"});
   const std::vector<std::string> classes = classes_of(table, options);
   std::vector<NamedIdentification> rows;
@@ -467,10 +374,14 @@ int identify(const IdentifyOptions& options) {
     }
     rows.push_back({group, identification(confusion)});
   }
-  if (options.input.json)
-    for (const NamedIdentification& row : rows) fmt::print("{}\n", json_line(identification_json(row, classes)));
-  else
-    fmt::print("{}", identification_text(rows, classes));
+  print_rows(identification_blocks(rows, classes), options.input.json, [&](ordered_json& line, std::size_t row) {
+    const IdentificationScale& scale = rows[row].found.ml;
+    line["classes"] = classes;
+    line["ml"]["categories_used"] = scale.categories_used;
+    line["ml"]["adjacent"] = ordered_json::array();
+    for (const AdjacentDprime& one : scale.adjacent)
+      line["ml"]["adjacent"].push_back({{"dprime", json_number(one.dprime)}, {"se", json_number(one.se)}});
+  });
   return exit_code::kDone;
 }
 

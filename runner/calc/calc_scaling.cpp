@@ -1,19 +1,20 @@
 // jnd calc magnitude, jnd calc adjust: numbers given to stimuli, and settings made to match a standard.
 #include <array>
+#include <cmath>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "analysis/scaling/adjustment.h"
 #include "analysis/scaling/magnitude.h"
+#include "data/fields/number_text.h"
 #include "protocols/input/csv_table.h"
 #include "runner/calc/calc.h"
-#include "runner/calc/calc_group.h"
 #include "runner/terminal/exit_code.h"
 #include "runner/terminal/json_output.h"
-#include "runner/terminal/number_text.h"
 #include "runner/terminal/text_table.h"
 
 namespace jnd {
@@ -38,8 +39,12 @@ Json mean_json(const MeanInterval& of) {
           {"status", to_text(of.status)}};
 }
 
+std::string scaled(double value) {
+  return number_text(value, decimals_of_size(std::abs(value)));
+}
+
 std::string bounds_text(double low, double high) {
-  return range_text(statistic_text(low), statistic_text(high));
+  return range_text(scaled(low), scaled(high));
 }
 
 // The participant of a row; one without a name where the file has no such column.
@@ -144,21 +149,16 @@ Json law_json(const PowerLaw& law) {
 
 Json magnitude_json(const MagnitudeTable& table, const MagnitudeScale& scale) {
   Json out = {{"status", "ok"}, {"stimuli", json_numbers(table.estimates.stimuli)}};
-  Json cells = Json::array(), means = Json::array(), normalised = Json::array(), participants = Json::array();
   for (std::size_t p = 0; p < scale.participants.size(); ++p) {
     const ParticipantMagnitudes& one = scale.participants[p];
-    cells.push_back(json_numbers(one.cells));
-    means.push_back(json_number(one.geometric_mean));
-    normalised.push_back(json_numbers(one.normalised));
+    out["cell_geometric_means"].push_back(json_numbers(one.cells));
+    out["participant_geometric_mean"].push_back(json_number(one.geometric_mean));
+    out["normalised"].push_back(json_numbers(one.normalised));
     Json law = law_json(one.law);
     law["participant"] = table.participants[p].empty() ? Json(nullptr) : Json(table.participants[p]);
-    participants.push_back(std::move(law));
+    out["participants"].push_back(std::move(law));
   }
-  out["cell_geometric_means"] = std::move(cells);
-  out["participant_geometric_mean"] = std::move(means);
   out["grand_geometric_mean"] = json_number(scale.grand_geometric_mean);
-  out["normalised"] = std::move(normalised);
-  out["participants"] = std::move(participants);
   out["group_geometric_means"] = json_numbers(scale.group_geometric_means);
   out["group_ln_se"] = scale.group_ln_se.empty() ? Json(nullptr) : json_numbers(scale.group_ln_se);
   out["group"] = law_json(scale.group);
@@ -174,8 +174,8 @@ Json refused_json(const std::vector<RefusedAnswer>& refused) {
 }
 
 void add_law(TextTable& table, const std::string& name, double mean, const PowerLaw& law) {
-  table.add({name, statistic_text(mean), statistic_text(law.exponent), bounds_text(law.ci_low, law.ci_high),
-             statistic_text(law.se), statistic_text(law.r2), statistic_text(law.residual_sd)});
+  table.add({name, scaled(mean), scaled(law.exponent), bounds_text(law.ci_low, law.ci_high), scaled(law.se),
+             scaled(law.r2), scaled(law.residual_sd)});
 }
 
 std::string magnitude_text(const MagnitudeTable& table, const MagnitudeScale& scale) {
@@ -187,11 +187,11 @@ std::string magnitude_text(const MagnitudeTable& table, const MagnitudeScale& sc
   add_law(laws, "group", scale.grand_geometric_mean, scale.group);
   TextTable stimuli({"stimulus", "geometric mean", "SE of its logarithm"}, {Align::right, Align::right, Align::right});
   for (std::size_t i = 0; i < table.estimates.stimuli.size(); ++i)
-    stimuli.add({fmt::format("{:g}", table.estimates.stimuli[i]), statistic_text(scale.group_geometric_means[i]),
-                 scale.group_ln_se.empty() ? "-" : statistic_text(scale.group_ln_se[i])});
+    stimuli.add({fmt::format("{:g}", table.estimates.stimuli[i]), scaled(scale.group_geometric_means[i]),
+                 scale.group_ln_se.empty() ? "-" : scaled(scale.group_ln_se[i])});
   std::string text = laws.text() + "Group, with equal moduli\n" + stimuli.text();
-  text += fmt::format("mean exponent {}, SD {}, 95 % CI {}, {}\n", statistic_text(scale.exponents.mean),
-                      statistic_text(scale.exponents.sd), bounds_text(scale.exponents.ci_low, scale.exponents.ci_high),
+  text += fmt::format("mean exponent {}, SD {}, 95 % CI {}, {}\n", scaled(scale.exponents.mean),
+                      scaled(scale.exponents.sd), bounds_text(scale.exponents.ci_low, scale.exponents.ci_high),
                       counted(scale.exponents.n, "participant"));
   if (scale.group.interval_status != StatisticStatus::ok)
     text += "Fewer than three stimuli: a line through them has no error, so no interval.\n";
@@ -204,11 +204,11 @@ int magnitude(const MagnitudeOptions& options) {
   const MagnitudeTable table = magnitude_table(csv);
   const MagnitudeScale scale = magnitude_scale(table.estimates);
   if (!scale.ok()) {
-    if (options.input.json) fmt::print("{}\n", json_line(refused_json(scale.refused)));
+    if (options.input.json) print_json(refused_json(scale.refused));
     refuse_answers(csv, table, scale.refused);
   }
   if (options.input.json)
-    fmt::print("{}\n", json_line(magnitude_json(table, scale)));
+    print_json(magnitude_json(table, scale));
   else
     fmt::print("{}", magnitude_text(table, scale));
   return exit_code::kDone;
@@ -221,11 +221,6 @@ struct AdjustOptions {
   double standard = 0;
 };
 
-struct AdjustmentTable {
-  std::vector<std::string> participants;
-  std::vector<std::vector<Setting>> settings;
-};
-
 StartSide start_of(const CsvTable& csv, std::size_t row) {
   if (!csv.has("start")) return StartSide::unknown;
   const int side = csv.integer(row, "start", -1, 1);
@@ -233,18 +228,20 @@ StartSide start_of(const CsvTable& csv, std::size_t row) {
   return side > 0 ? StartSide::above : StartSide::below;
 }
 
-AdjustmentTable adjustment_table(const CsvTable& csv) {
+struct AdjustmentTable {
+  std::vector<std::string> names;  // in the order of their first row
+  std::vector<Adjustment> participants;
+};
+
+AdjustmentTable adjustment_table(const CsvTable& csv, double standard) {
   AdjustmentTable table;
-  std::map<std::string, std::size_t> places;
+  std::map<std::string, std::vector<Setting>> settings;
   for (std::size_t row = 0; row < csv.rows(); ++row) {
-    const std::string name = participant_of(csv, row);
-    const auto [place, added] = places.try_emplace(name, places.size());
-    if (added) {
-      table.participants.push_back(name);
-      table.settings.emplace_back();
-    }
-    table.settings[place->second].push_back({csv.number(row, "setting", kScaled), start_of(csv, row)});
+    const auto [place, added] = settings.try_emplace(participant_of(csv, row));
+    if (added) table.names.push_back(place->first);
+    place->second.push_back({csv.number(row, "setting", kScaled), start_of(csv, row)});
   }
+  for (const std::string& name : table.names) table.participants.push_back(adjustment(settings[name], standard));
   return table;
 }
 
@@ -296,17 +293,17 @@ Json adjustment_group_json(const AdjustmentGroup& group) {
   return out;
 }
 
-std::string adjustment_text(const std::vector<std::string>& names, const std::vector<Adjustment>& participants) {
+std::string adjustment_text(const AdjustmentTable& of_all) {
   TextTable table({"participant", "n", "PSE", "95 % CI", "constant error", "SD", "JND", "Weber", "start effect", "p",
                    "variable error"},
                   {Align::left, Align::right, Align::right, Align::right, Align::right, Align::right, Align::right,
                    Align::right, Align::right, Align::right, Align::right});
-  for (std::size_t p = 0; p < participants.size(); ++p) {
-    const Adjustment& of = participants[p];
-    table.add({shown(names[p]), std::to_string(of.settings.n), statistic_text(of.settings.mean),
-               bounds_text(of.settings.ci_low, of.settings.ci_high), statistic_text(of.constant_error),
-               statistic_text(of.settings.sd), statistic_text(of.jnd), percent_text(of.weber),
-               statistic_text(of.start_effect), p_value_text(of.start_p), statistic_text(of.variable_error)});
+  for (std::size_t p = 0; p < of_all.names.size(); ++p) {
+    const Adjustment& of = of_all.participants[p];
+    table.add({shown(of_all.names[p]), std::to_string(of.settings.n), scaled(of.settings.mean),
+               bounds_text(of.settings.ci_low, of.settings.ci_high), scaled(of.constant_error), scaled(of.settings.sd),
+               scaled(of.jnd), percent_text(of.weber), scaled(of.start_effect), p_value_text(of.start_p),
+               scaled(of.variable_error)});
   }
   return table.text();
 }
@@ -315,39 +312,33 @@ std::string adjustment_group_text(const AdjustmentGroup& group) {
   TextTable table({"group", "n", "mean", "SD", "95 % CI", "t", "p"},
                   {Align::left, Align::right, Align::right, Align::right, Align::right, Align::right, Align::right});
   const auto add = [&](const char* name, const MeanInterval& of, const std::string& t, const std::string& p) {
-    table.add({name, std::to_string(of.n), statistic_text(of.mean), statistic_text(of.sd),
-               bounds_text(of.ci_low, of.ci_high), t, p});
+    table.add({name, std::to_string(of.n), scaled(of.mean), scaled(of.sd), bounds_text(of.ci_low, of.ci_high), t, p});
   };
   add("PSE", group.pse, "", "");
-  add("constant error", group.constant_error, statistic_text(group.constant_error_test.t),
+  add("constant error", group.constant_error, scaled(group.constant_error_test.t),
       p_value_text(group.constant_error_test.p));
   add("JND", group.jnd, "", "");
-  add("start effect", group.start_effect, statistic_text(group.start_effect_test.t),
-      p_value_text(group.start_effect_test.p));
-  return table.text() + fmt::format("geometric mean of the JND {}, 95 % CI {}\n",
-                                    statistic_text(group.jnd_geometric_mean),
+  add("start effect", group.start_effect, scaled(group.start_effect_test.t), p_value_text(group.start_effect_test.p));
+  return table.text() + fmt::format("geometric mean of the JND {}, 95 % CI {}\n", scaled(group.jnd_geometric_mean),
                                     bounds_text(group.jnd_geometric_ci_low, group.jnd_geometric_ci_high));
 }
 
 int adjust_settings(const AdjustOptions& options) {
   const CsvTable csv = CsvTable::read(options.input.file, {"setting"}, {"participant", "start"});
   say_look_alikes(csv, "participant", options.input.file);
-  const AdjustmentTable table = adjustment_table(csv);
-  std::vector<Adjustment> participants;
-  for (const std::vector<Setting>& settings : table.settings)
-    participants.push_back(adjustment(settings, options.standard));
-  const AdjustmentGroup group = adjustment_group(participants);
+  const AdjustmentTable table = adjustment_table(csv, options.standard);
+  const AdjustmentGroup group = adjustment_group(table.participants);
   if (options.input.json) {
-    Json out = {{"standard", options.standard}, {"participants", Json::array()}};
-    for (std::size_t p = 0; p < participants.size(); ++p)
-      out["participants"].push_back(adjustment_json(table.participants[p], participants[p]));
+    Json out = {{"standard", options.standard}};
+    for (std::size_t p = 0; p < table.names.size(); ++p)
+      out["participants"].push_back(adjustment_json(table.names[p], table.participants[p]));
     out["group"] = adjustment_group_json(group);
-    fmt::print("{}\n", json_line(out));
+    print_json(out);
     return exit_code::kDone;
   }
   fmt::print("JND = 0.6745 SD of the settings; start effect: mean from above minus mean from below\n{}",
-             adjustment_text(table.participants, participants));
-  if (participants.size() > 1) fmt::print("{}", adjustment_group_text(group));
+             adjustment_text(table));
+  if (table.names.size() > 1) fmt::print("{}", adjustment_group_text(group));
   return exit_code::kDone;
 }
 

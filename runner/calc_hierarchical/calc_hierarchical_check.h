@@ -6,7 +6,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "analysis/hierarchical/predictive_check.h"
+#include "data/results/hierarchical_words.h"
 
 namespace jnd {
 

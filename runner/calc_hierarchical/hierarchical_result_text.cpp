@@ -6,9 +6,9 @@
 #include <fmt/format.h>
 
 #include "analysis/hierarchical/model_variants.h"
+#include "data/fields/number_text.h"
 #include "runner/calc_hierarchical/calc_hierarchical_check.h"
 #include "runner/calc_hierarchical/hierarchical_result.h"
-#include "runner/terminal/number_text.h"
 #include "runner/terminal/terminal.h"
 #include "runner/terminal/text_table.h"
 

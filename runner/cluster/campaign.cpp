@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <sys/stat.h>
 
+#include "data/fields/number_text.h"
 #include "data/files/draft.h"
 #include "protocols/input/json_document.h"
 #include "protocols/input/number_from.h"
@@ -18,7 +19,6 @@
 #include "protocols/version.h"
 #include "runner/cluster/job_script.h"
 #include "runner/terminal/exit_code.h"
-#include "runner/terminal/number_text.h"
 #include "runner/terminal/terminal.h"
 
 namespace jnd {

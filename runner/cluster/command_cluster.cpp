@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "analysis/numerics/stop_request.h"
+#include "data/fields/number_text.h"
 #include "data/files/scratch_folder.h"
 #include "devices/device_error.h"
 #include "runner/cluster/called_program.h"
@@ -18,7 +19,6 @@
 #include "runner/cluster/slurm.h"
 #include "runner/keys/interrupt.h"
 #include "runner/terminal/exit_code.h"
-#include "runner/terminal/number_text.h"
 #include "runner/terminal/standard_streams.h"
 #include "runner/terminal/terminal.h"
 

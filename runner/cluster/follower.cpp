@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "data/fields/number_text.h"
 #include "data/files/descriptor.h"
 #include "data/files/draft.h"
 #include "protocols/input/number_from.h"
@@ -17,7 +18,6 @@
 #include "runner/cluster/called_program.h"
 #include "runner/keys/interrupt.h"
 #include "runner/terminal/exit_code.h"
-#include "runner/terminal/number_text.h"
 #include "runner/terminal/standard_streams.h"
 #include "runner/terminal/terminal.h"
 

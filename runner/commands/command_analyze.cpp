@@ -6,8 +6,9 @@
 
 #include <fmt/format.h>
 
+#include "data/blocks/result_blocks.h"
 #include "data/export/export_folder.h"
-#include "data/export/result_columns.h"
+#include "data/export/result_files.h"
 #include "data/files/draft.h"
 #include "data/files/seal.h"
 #include "data/methods/methods_text.h"
@@ -18,7 +19,6 @@
 #include "runner/opening/study_access.h"
 #include "runner/report/blinded_files.h"
 #include "runner/results/analysis_text.h"
-#include "runner/results/answer_tables.h"
 #include "runner/results/result_format.h"
 #include "runner/terminal/exit_code.h"
 #include "runner/terminal/json_output.h"
@@ -85,42 +85,39 @@ std::string head_text(const Study& study, const StudyResults& results, const Pro
          (conditions.empty() ? "" : paragraph(conditions, "", dim)) + "\n";
 }
 
-// Where the rest is. tables: all that there are.
-std::string rest_text(const std::vector<ResultTable>& tables, const std::string& study) {
+// Where the rest is.
+std::string rest_text(const std::vector<Block>& blocks, const std::string& study) {
   std::string options;
   for (const SectionOption& one : kSections)
-    if (std::any_of(tables.begin(), tables.end(),
-                    [&](const ResultTable& table) { return section_of(table) == one.section; }))
+    if (std::any_of(blocks.begin(), blocks.end(),
+                    [&](const Block& block) { return block.section == one.section && !block.columns.empty(); }))
       options += fmt::format("{}, ", one.option);
   return paragraph(fmt::format("More: {}or --all", options)) +
          fmt::format("As a page: jnd report {}\n", shell_word(study));
 }
 
-std::string results_text(const StudyResults& results, const Protocol& protocol, const std::vector<ResultTable>& models,
+std::string results_text(const StudyResults& results, const std::vector<Block>& blocks, const Protocol& protocol,
                          const AnalyzeOptions& options) {
-  std::vector<ResultTable> tables = result_tables(results, protocol);
-  std::string text = answer_text(results, protocol) + cautions_text(results);
-  // A study of free interaction is answered by all that there is to show.
-  const bool explored = std::holds_alternative<ExplorationResults>(results.measured);
-  const std::string rest = explored ? "" : rest_text(tables, options.study);
-  tables.insert(tables.end(), models.begin(), models.end());
+  std::string text = answer_text(results, blocks, protocol) + cautions_text(results);
+  if (results.task.outcomes.empty() && !options.all) return text;  // free interaction is answered by all there is
   bool shown = false;
   for (const SectionOption& one : kSections) {
+    if (!options.shows(one.section)) continue;
     bool any = false;
-    for (const ResultTable& table : tables) {
-      if (explored || section_of(table) != one.section || !options.shows(one.section)) continue;
+    for (const Block& block : blocks) {
+      if (block.section != one.section) continue;
+      const ResultTable table = table_of(block);
+      if (table.rows.empty()) continue;
       text += text_of(table);
       shown = any = true;
     }
-    if (!any && !explored && options.sections[static_cast<std::size_t>(one.section)])
+    if (!any && options.sections[static_cast<std::size_t>(one.section)])
       text += paragraph(fmt::format("There is nothing for {} in this study.", one.option)) + "\n";
   }
-  const auto* constant = std::get_if<ConstantResults>(&results.measured);
-  if (constant != nullptr && !constant->detailed &&
-      (options.shows(Section::models) || options.shows(Section::behaviour)))
+  if (!results.detailed && (options.shows(Section::models) || options.shows(Section::behaviour)))
     text += dim(
         fmt::format("Above {} participants other methods and the manner of answering are left out.\n", kMostInDetail));
-  return shown ? text : text + rest;
+  return shown ? text : text + rest_text(blocks, options.study);
 }
 
 int analyze_blinded(const Study& study, const Protocol& protocol, SessionKind kind, const AnalyzeOptions& options) {
@@ -144,7 +141,8 @@ int analyze_blinded(const Study& study, const Protocol& protocol, SessionKind ki
                      dim(fmt::format("protocol {}", protocol.sha256.substr(0, 12))) + "\n\n" +
                      warn(printable(results.line)) + "\n\n";  // it ends with a command, in one line
   if (results.participants.empty()) text += fmt::format("  no {} session yet\n", to_string(kind));
-  for (const ResultTable& table : blinded_tables(results, protocol)) text += text_of(table);
+  for (const Block& block : blinded_blocks(results, protocol))
+    if (block.rows() > 0) text += text_of(table_of(block));
   print_paged(text + paragraph(chain_line(results.chains), "", dim));
   say_other_kinds(study, kind);
   if (!options.csv.empty()) fmt::print("CSV files of these results are in {}\n", printable(options.csv));
@@ -159,41 +157,36 @@ int command_analyze(const AnalyzeOptions& options) {
   const SessionKind kind = kind_to_analyse(*study, options.kind);
   if (blinding_of(*study, protocol, kind).blinded) return analyze_blinded(*study, protocol, kind, options);
   std::optional<WorkLine> working(std::in_place, "analysing " + options.study);
-  StudyResults results = results_of(*study, protocol, kind, source_to_analyse(protocol, options.by));
-  if (options.json || !options.csv.empty() || options.shows(Section::participants) || options.shows(Section::tests))
-    add_hierarchical(results, protocol);
+  // The model is fitted for whoever shows it.
+  const bool model =
+      options.json || !options.csv.empty() || options.shows(Section::participants) || options.shows(Section::tests);
+  const StudyResults results =
+      results_of(*study, protocol, kind, {.by = source_to_analyse(protocol, options.by), .hierarchical = model});
+  // Only JNDs of pairs have other models.
+  const StudyModels models = options.shows(Section::models) ? study_models(results.task, protocol) : StudyModels{};
+  const std::vector<Block> blocks = result_blocks(results, protocol, &models);
   working.reset();
-  if (options.by && !std::holds_alternative<ConstantResults>(results.measured))
+  if (options.by && results.task.cells.empty())
     write_marked_message("--by makes no difference here: this study has no fit over stiffness differences");
-  // Only JNDs over given levels have other models.
-  const auto* constant = std::get_if<ConstantResults>(&results.measured);
-  const bool all_models = options.shows(Section::models) && constant != nullptr;
-  const StudyModels models = all_models ? study_models(constant->analysis, protocol) : StudyModels{};
   const HoldInterrupts hold;
   // Its place is taken last: where something else that was asked for cannot be written, nothing stays behind.
   std::optional<ExportFolder> csv;
   if (!options.csv.empty()) {
     csv.emplace(options.csv, options.replace);
-    write_results(*csv, results, protocol, all_models ? &models : nullptr);
+    write_results(*csv, blocks, protocol, fmt::format("results of {} data", to_string(kind)));
     csv->finish();
   }
 
-  const bool methods = !options.methods.empty() && attendance_of(results).participants > 0;
+  const bool methods = !options.methods.empty() && results.attendance.participants > 0;
   if (methods) write_methods_file(options.methods, methods_text(*study, protocol, results));
   if (csv) csv->publish();
   if (options.json) {
-    nlohmann::ordered_json out = to_json(results, protocol);
-    if (all_models) out["models"] = to_json(models, protocol);
-    fmt::print("{}\n", json_line(out));
+    fmt::print("{}\n", json_line(to_json(results, blocks, protocol)));
     return exit_code::kDone;
   }
   std::string text = head_text(*study, results, protocol);
-  if (attendance_of(results).participants == 0)
-    text += fmt::format("  no {} session yet\n", to_string(kind));
-  else
-    text +=
-        results_text(results, protocol,
-                     all_models ? std::vector{models_table(models, protocol)} : std::vector<ResultTable>(), options);
+  text += results.attendance.participants == 0 ? fmt::format("  no {} session yet\n", to_string(kind))
+                                               : results_text(results, blocks, protocol, options);
   text += paragraph(chain_line(results.chains), "", dim);
   print_paged(text);
   say_other_kinds(*study, kind);

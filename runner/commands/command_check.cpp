@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "data/fields/number_text.h"
 #include "data/results/study_comparisons.h"
 #include "protocols/course/duration.h"
 #include "protocols/input/resources.h"
@@ -22,7 +23,6 @@
 #include "runner/precision/precision_text.h"
 #include "runner/terminal/exit_code.h"
 #include "runner/terminal/json_output.h"
-#include "runner/terminal/number_text.h"
 #include "runner/terminal/terminal.h"
 #include "runner/terminal/work_line.h"
 

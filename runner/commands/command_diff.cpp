@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "data/fields/number_text.h"
 #include "protocols/input/json_text.h"
 #include "protocols/input/read_file.h"
 #include "protocols/input/resources.h"
@@ -16,7 +17,6 @@
 #include "runner/opening/protocol_fitness.h"
 #include "runner/terminal/exit_code.h"
 #include "runner/terminal/json_output.h"
-#include "runner/terminal/number_text.h"
 #include "runner/terminal/terminal.h"
 
 namespace jnd {

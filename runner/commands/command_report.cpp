@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "data/blocks/result_blocks.h"
+#include "data/fields/number_text.h"
 #include "data/methods/methods_text.h"
 #include "data/raw_trials/press_traces.h"
 #include "data/results/study_results.h"
@@ -17,7 +19,6 @@
 #include "runner/report/report_files.h"
 #include "runner/report/report_page.h"
 #include "runner/terminal/exit_code.h"
-#include "runner/terminal/number_text.h"
 #include "runner/terminal/open_page.h"
 #include "runner/terminal/standard_streams.h"
 #include "runner/terminal/terminal.h"
@@ -120,18 +121,18 @@ int command_report(const ReportOptions& options) {
   if (blinding_of(*study, protocol, kind).blinded)
     return report_blinded(*study, protocol, kind, options, std::move(files));
   std::optional<WorkLine> working(std::in_place, "analysing " + options.study);
-  StudyResults results = results_of(*study, protocol, kind, source_to_analyse(protocol, options.by));
-  add_hierarchical(results, protocol);
+  const StudyResults results =
+      results_of(*study, protocol, kind, {.by = source_to_analyse(protocol, options.by), .hierarchical = true});
   const ShownPresses presses =
       sealed ? ShownPresses() : presses_of(*study, protocol, sessions_of(*study, kind), options);
   const std::vector<Figure> figures = study_figures(results, protocol, presses);
-  files.page_bytes = report_page(results, protocol, result_tables(results, protocol), figures,
+  files.page_bytes = report_page(results, protocol, result_blocks(results, protocol), figures,
                                  methods_text(*study, protocol, results), facts_of(*study, protocol, study_path, kind));
   for (const Figure& figure : figures) files.figures.emplace_back(figure.id + ".svg", figure.svg.file());
   write_report(files, options.replace);
   working.reset();
   fmt::print("{}: {} {} participant{}; one page that needs nothing else\n", bold(printable(files.page.string())),
-             attendance_of(results).participants, to_string(kind), attendance_of(results).participants == 1 ? "" : "s");
+             results.attendance.participants, to_string(kind), results.attendance.participants == 1 ? "" : "s");
   if (!figures.empty())
     fmt::print("{}: its {}, each an SVG file\n", printable(files.folder.string()),
                counted(static_cast<std::int64_t>(figures.size()), "figure"));

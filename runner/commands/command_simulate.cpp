@@ -5,6 +5,8 @@
 #include <fmt/format.h>
 
 #include "analysis/numerics/stop_request.h"
+#include "data/blocks/result_blocks.h"
+#include "data/fields/number_text.h"
 #include "data/study/blinding.h"
 #include "protocols/input/resources.h"
 #include "protocols/tasks/task.h"
@@ -13,13 +15,11 @@
 #include "runner/keys/interrupt.h"
 #include "runner/opening/rig_limits.h"
 #include "runner/opening/study_access.h"
-#include "runner/results/adaptive_text.h"
 #include "runner/results/analysis_text.h"
 #include "runner/session/simulate.h"
 #include "runner/shards/replicated_studies.h"
 #include "runner/terminal/exit_code.h"
 #include "runner/terminal/json_output.h"
-#include "runner/terminal/number_text.h"
 #include "runner/terminal/progress_bar.h"
 #include "runner/terminal/standard_streams.h"
 #include "runner/terminal/terminal.h"
@@ -51,42 +51,29 @@ int interrupted() {
 
 // What the group came to, as jnd analyze shows it.
 void print_group(const StudyResults& results, const Protocol& protocol, bool json) {
-  if (json) {
-    fmt::print("{}\n", json_line(to_json(results, protocol)));
-    return;
-  }
-  fmt::print("{}", answer_text(results, protocol));
+  const std::vector<Block> blocks = result_blocks(results, protocol);
+  if (json)
+    fmt::print("{}\n", json_line(to_json(results, blocks, protocol)));
+  else
+    fmt::print("{}", answer_text(results, blocks, protocol));
 }
 
-// Answers that are analysed one by one go through a study that nobody keeps.
-int simulate_answers(const Simulation& simulation, bool json) {
-  StudyResults results;
+// Of pairs at given levels counts are enough; all others go through a study that nobody keeps.
+int simulate_without_study(const Simulation& simulation, bool json) {
+  const Protocol& protocol = simulation.protocol;
+  if (task_of(protocol.task.kind).evidence(protocol) == Evidence::counts) {
+    const std::vector<CellCounts> cells = simulate_counts(simulation);
+    if (interrupt_requested()) return interrupted();
+    print_group(
+        results_of(results_of_counts(cells, protocol, SessionKind::simulated), simulation.participants, protocol),
+        protocol, json);
+    return exit_code::kDone;
+  }
   try {
-    results = simulated_results(simulation, source_to_analyse(simulation.protocol, std::nullopt));
+    print_group(simulated_results(simulation, source_to_analyse(protocol, std::nullopt), json), protocol, json);
   } catch (const Stopped&) {
     return interrupted();
   }
-  if (json) add_hierarchical(results, simulation.protocol);
-  print_group(results, simulation.protocol, json);
-  return exit_code::kDone;
-}
-
-int simulate_without_study(const Simulation& simulation, bool json) {
-  const Protocol& protocol = simulation.protocol;
-  const Evidence evidence = task_of(protocol.task.kind).evidence(protocol);
-  if (evidence == Evidence::answers) return simulate_answers(simulation, json);
-  if (evidence == Evidence::tracks) {
-    const AdaptiveResults results = simulate_thresholds(simulation);
-    if (interrupt_requested()) return interrupted();
-    if (json)
-      fmt::print("{}\n", json_line(to_json(results, protocol)));
-    else
-      fmt::print("{}", to_text(results, protocol));
-    return exit_code::kDone;
-  }
-  const std::vector<CellCounts> cells = simulate_counts(simulation);
-  if (interrupt_requested()) return interrupted();
-  print_group(results_of(analyze_counts(cells, protocol, SessionKind::simulated), protocol), protocol, json);
   return exit_code::kDone;
 }
 

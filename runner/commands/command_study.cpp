@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "data/export/export.h"
+#include "data/fields/number_text.h"
 #include "data/results/study_results.h"
 #include "data/study/blinding.h"
 #include "data/verify/verify.h"
@@ -19,7 +20,6 @@
 #include "runner/study_commands/blinded_problem.h"
 #include "runner/terminal/exit_code.h"
 #include "runner/terminal/json_output.h"
-#include "runner/terminal/number_text.h"
 #include "runner/terminal/terminal.h"
 #include "runner/terminal/text_table.h"
 #include "runner/terminal/work_line.h"
@@ -172,8 +172,8 @@ int command_verify(const VerifyOptions& options) {
 
 // What people open first, as far as it is there.
 std::string main_files(const std::vector<std::string>& files) {
-  constexpr std::array kMain = {"trials.csv",     "intervals.csv", "tracks.csv",   "estimates.csv",
-                                "thresholds.csv", "group.csv",     "contrasts.csv"};
+  constexpr std::array kMain = {"trials.csv",    "intervals.csv", "tracks.csv",
+                                "estimates.csv", "group.csv",     "contrasts.csv"};
   std::string text;
   for (const char* name : kMain)
     if (std::find(files.begin(), files.end(), name) != files.end()) text += fmt::format("{}, ", name);
@@ -216,8 +216,8 @@ int command_export(const ExportOptions& options) {
                      "\nThe recorded forces give the stimuli away: export without --telemetry until then");
   if (blinding_of(*study, protocol, kind).blinded) return export_in_code(*study, protocol, kind, options);
   std::optional<WorkLine> working(std::in_place, "exporting " + options.study);
-  StudyResults results = results_of(*study, protocol, kind, source_to_analyse(protocol, options.by));
-  add_hierarchical(results, protocol);
+  const StudyResults results =
+      results_of(*study, protocol, kind, {.by = source_to_analyse(protocol, options.by), .hierarchical = true});
   std::optional<TelemetryExport> telemetry;
   if (options.telemetry) telemetry = {{limit::kNames.begin(), limit::kNames.end()}};
   const HoldInterrupts hold;

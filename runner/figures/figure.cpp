@@ -28,9 +28,9 @@ std::vector<Figure> study_figures(const StudyResults& results, const Protocol& p
     for (Figure& figure : more) figures.push_back(std::move(figure));
   };
   for (const auto make :
-       {jnd_figures, threshold_figures, task_figures, contrast_figures, hierarchical_figures, ratio_figures,
-        predictive_figures, curve_figures, parameter_figures, combination_figures, roc_figures, slope_figures,
-        track_figures, raster_figures, behaviour_figures, time_figures, rating_figures, rating_bar_figures})
+       {jnd_figures, outcome_figures, contrast_figures, hierarchical_figures, ratio_figures, predictive_figures,
+        curve_figures, parameter_figures, combination_figures, roc_figures, slope_figures, track_figures,
+        raster_figures, behaviour_figures, time_figures, rating_figures, rating_bar_figures})
     add(make(results, protocol));
   add(press_figures(presses, protocol));
   add(sensitivity_figures(results, protocol));

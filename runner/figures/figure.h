@@ -40,8 +40,8 @@ std::string first_of(std::size_t shown, std::size_t everyone);
 // Figure 5 of the paper: mean and 95 % interval by condition, with every participant, the within-subject interval and
 // the published values. Who has no JND stands at the edges, counted.
 std::vector<Figure> jnd_figures(const StudyResults& results, const Protocol& protocol);
-// Where the answers set the levels: their thresholds by condition, in the same form.
-std::vector<Figure> threshold_figures(const StudyResults& results, const Protocol& protocol);
+// The registered outcome of every other task by condition, in the same form.
+std::vector<Figure> outcome_figures(const StudyResults& results, const Protocol& protocol);
 
 // Where the conditions differ in one number, such as a delay: the registered outcome against it, and of tasks that
 // compare something else the JND.
@@ -72,8 +72,6 @@ std::vector<Figure> raster_figures(const StudyResults& results, const Protocol& 
 
 // The share of an answer over the levels of a task, with the fitted curve.
 std::vector<Figure> curve_figures(const StudyResults& results, const Protocol& protocol);
-// The registered outcome of a task by condition.
-std::vector<Figure> task_figures(const StudyResults& results, const Protocol& protocol);
 
 std::vector<Figure> time_figures(const StudyResults& results, const Protocol& protocol);
 // One for each rating question that was compared over the conditions.

@@ -76,7 +76,7 @@ ForestRow forest_row(const BehaviourValue& value, const std::string& name, bool 
                 .of_group = of_group};
   if (value.status.empty()) {
     row.numbers = fmt::format("{} ({})", number_text(value.value, 2), range_text(value.low, value.high, 2));
-    if (!std::isnan(value.holm)) row.numbers += fmt::format(", p = {}", p_value_text(value.holm));
+    if (!std::isnan(value.holm)) row.numbers += ", " + p_text(value.holm);
   }
   row.words = fmt::format("{}: {}", name, row.numbers);
   return row;
@@ -97,9 +97,8 @@ ForestColumn behaviour_column(const BehaviourSubject& subject, const StudyBehavi
 }  // namespace
 
 std::vector<Figure> behaviour_figures(const StudyResults& results, const Protocol& protocol) {
-  const auto* constant = std::get_if<ConstantResults>(&results.measured);
-  if (constant == nullptr || !constant->detailed || constant->behaviour.participants.empty()) return {};
-  const StudyBehaviour& behaviour = constant->behaviour;
+  const StudyBehaviour& behaviour = results.behaviour;
+  if (behaviour.participants.empty()) return {};
   const std::size_t people = std::min(behaviour.participants.size(), kMostPeople);
   Forest forest;
   forest.id = "figure-behaviour";
@@ -118,7 +117,7 @@ std::vector<Figure> behaviour_figures(const StudyResults& results, const Protoco
   const std::string caption =
       "Everyone together by condition, then each participant over all conditions, with 95 % intervals. Left: among "
       "pairs of different objects, how much more often \"different\" was said where the stiffer object came first "
-      "(Newcombe). Middle: the criterion of all trials together (Wald); negative prefers \"different\", positive "
+      "(Miettinen and Nurminen). Middle: the criterion of all trials together (Wald); negative prefers \"different\", positive "
       "\"same\", and at 0 both are equally likely where nothing is felt. Right: what is learnt or forgotten, or what "
       "tiredness takes, d' in the second half of each cell's trials less the first (Wald). A cross: there is no value; "
       "the table of the same name has the numbers, their p, and the reasons.";

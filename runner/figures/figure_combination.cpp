@@ -68,11 +68,10 @@ double most_shown(const std::vector<const CombinedParticipant*>& people) {
 }
 
 // At the edge where it lies beyond the axes, with its name.
-void draw_combined(Svg& svg, const CombinedParticipant& one, int condition, const Scale& x, const Scale& y,
-                   const Protocol& protocol) {
+void draw_combined(Svg& svg, const CombinedParticipant& one, int condition, const Scale& x, const Scale& y) {
   const double at_x = x.clipped(*one.predicted), at_y = y.clipped(*one.observed);
-  const std::string words = fmt::format("predicted {}, observed {}", stiffness_text(*one.predicted, protocol),
-                                        stiffness_text(*one.observed, protocol));
+  const std::string words =
+      fmt::format("predicted {}, observed {}", size_text(*one.predicted), size_text(*one.observed));
   svg.begin("", fmt::format("{}: {}", one.participant, words));
   draw_marker(svg, condition, at_x, at_y, 4.5, condition_hollow(condition));
   if (!x.inside(*one.predicted) || !y.inside(*one.observed)) {
@@ -98,8 +97,8 @@ Figure combination_figure(const CueCombination& combination, std::size_t number,
   std::string description =
       fmt::format("Observed / predicted, geometric mean: {}. ", ratio_text(combination.log_ratio));
   for (const CombinedParticipant* one : people)
-    description += fmt::format("{}: predicted {}, observed {}. ", one->participant,
-                               stiffness_text(*one->predicted, protocol), stiffness_text(*one->observed, protocol));
+    description += fmt::format("{}: predicted {}, observed {}. ", one->participant, size_text(*one->predicted),
+                               size_text(*one->observed));
   Svg svg("figure-" + id, panel.right + kCombinationRight, panel.bottom + kCombinationBelow, title, description);
   draw_grid_rows(svg, panel, y, 5);
   draw_grid_columns(svg, panel, x, 5);
@@ -107,7 +106,7 @@ Figure combination_figure(const CueCombination& combination, std::size_t number,
   svg.line(panel.left, panel.bottom, panel.right, panel.top, kRule);
   draw_x_axis(svg, panel, x, fmt::format("JND predicted from {} and {} ({})", a, b, unit_of(protocol)), 5);
   draw_y_axis(svg, panel, y, fmt::format("JND observed in {} ({})", both, unit_of(protocol)), 5);
-  for (const CombinedParticipant* one : people) draw_combined(svg, *one, combination.both, x, y, protocol);
+  for (const CombinedParticipant* one : people) draw_combined(svg, *one, combination.both, x, y);
   draw_group(svg, combination, people, x, y);
   std::string missing, far;
   for (const CombinedParticipant& one : combination.participants) {
@@ -132,9 +131,7 @@ Figure combination_figure(const CueCombination& combination, std::size_t number,
 }  // namespace
 
 std::vector<Figure> combination_figures(const StudyResults& results, const Protocol& protocol) {
-  const auto* constant = std::get_if<ConstantResults>(&results.measured);
-  if (constant == nullptr || !constant->detailed) return {};
-  std::vector<CueCombination> combinations = cue_combinations(constant->analysis.thresholds, protocol);
+  std::vector<CueCombination> combinations = results.combinations;
   std::erase_if(combinations, [](const CueCombination& one) { return one.log_ratio.n == 0; });
   std::vector<Figure> figures;
   for (std::size_t i = 0; i < combinations.size(); ++i)

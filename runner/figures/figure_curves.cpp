@@ -33,7 +33,7 @@ void draw_curve(Svg& svg, const Panel& panel, const TaskCurveRow& row, const Pro
   draw_grid_rows(svg, panel, y, 5);
   draw_y_axis(svg, panel, y, y_title ? "share" : "", 5);
   draw_x_axis(svg, panel, x, fmt::format("{} ({})", protocol.stimulus.quantity, unit_of(protocol)), 5);
-  const Series& series = protocol.series[static_cast<std::size_t>(row.series)];
+  const Series& series = protocol.series[static_cast<std::size_t>(row.standard)];
   if (task_of(protocol.task.kind).has_standard() && x.inside(series.standard))
     svg.line(x.at(series.standard), panel.top, x.at(series.standard), panel.bottom, kRule);
   std::vector<SvgPoint> corners;
@@ -76,9 +76,8 @@ Svg draw_curves(const std::vector<TaskCurveRow>& curves, const Protocol& protoco
 }  // namespace
 
 std::vector<Figure> curve_figures(const StudyResults& results, const Protocol& protocol) {
-  const auto* measured = std::get_if<MeasuredTask>(&results.measured);
-  if (measured == nullptr || measured->task.curves.empty()) return {};
-  const std::vector<TaskCurveRow>& curves = measured->task.curves;
+  const std::vector<TaskCurveRow>& curves = results.task.curves;
+  if (curves.empty()) return {};
   const std::string title = fmt::format("Share of \"{}\" over the levels", curves.front().curve.said);
   return {
       {"curves", title,

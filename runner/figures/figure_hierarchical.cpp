@@ -69,37 +69,29 @@ Range jnd_range(const StudyHierarchical& model, const std::vector<const Hierarch
 template <typename Row>
 std::string row_name(const Row& row, const Protocol& protocol) {
   const std::string& name = condition_text(protocol, row.condition);
-  if (task_of(protocol.task.kind).has_own_results() || protocol.series.size() < 2) return name;
-  return fmt::format("{}, {}", name, protocol.series[static_cast<std::size_t>(row.series)].name);
+  if (judged_standard_count(protocol) < 2) return name;
+  return fmt::format("{}, {}", name, protocol.series[static_cast<std::size_t>(row.standard)].name);
 }
 
-// Of any size, outside same-different.
-std::string jnd_text(double jnd, const Protocol& protocol) {
-  return task_of(protocol.task.kind).has_own_results() ? stiffness_text(jnd, protocol)
-         : std::isfinite(jnd)                          ? fmt::format("{:.4g}", jnd)
-                                                       : number_text(jnd, 0);
-}
-
-std::string separate_text(const HierarchicalPerson& person, const Protocol& protocol) {
-  return person.separate_status == JndStatus::ok ? jnd_text(person.separate, protocol)
+std::string separate_text(const HierarchicalPerson& person) {
+  return person.separate_status == JndStatus::ok ? size_text(person.separate)
                                                  : std::string(to_string(person.separate_status));
 }
 
 std::string person_words(const HierarchicalPerson& person, const Protocol& protocol) {
-  std::string text = fmt::format("{}, {}: separate {}", person.participant, row_name(person, protocol),
-                                 separate_text(person, protocol));
+  std::string text =
+      fmt::format("{}, {}: separate {}", person.participant, row_name(person, protocol), separate_text(person));
   if (person.status == ShrunkenStatus::ok)
-    text += fmt::format(", shrunken {} {}", jnd_text(person.jnd, protocol), unit_of(protocol));
+    text += fmt::format(", shrunken {} {}", size_text(person.jnd), unit_of(protocol));
   return text;
 }
 
 std::string group_words(const HierarchicalCondition& row, const Protocol& protocol) {
   const std::string name = row_name(row, protocol);
   if (row.status != SlopeStatus::ok) return fmt::format("{}: {}", name, word_of(kSlopeStatusWords, row.status));
-  return fmt::format("{}: group {} {}, 95 % interval {}", name, jnd_text(row.jnd, protocol), unit_of(protocol),
-                     row.ci_status == EndsStatus::ok
-                         ? range_text(jnd_text(row.ci_low, protocol), jnd_text(row.ci_high, protocol))
-                         : std::string(word_of(kEndsStatusWords, row.ci_status)));
+  return fmt::format("{}: group {} {}, 95 % interval {}", name, size_text(row.jnd), unit_of(protocol),
+                     row.ci_status == EndsStatus::ok ? range_text(size_text(row.ci_low), size_text(row.ci_high))
+                                                     : std::string(word_of(kEndsStatusWords, row.ci_status)));
 }
 
 class ShrinkageDrawing {
@@ -130,7 +122,7 @@ class ShrinkageDrawing {
   // Of the row's column.
   template <typename Row>
   double middle(const Row& row) const {
-    const auto column = static_cast<double>(row_of(model_, protocol_, row.condition, row.series));
+    const auto column = static_cast<double>(row_of(model_, protocol_, row.condition, row.standard));
     return panel_.left + slot_ * (column + 0.5);
   }
   void draw_person(Svg& svg, const HierarchicalPerson& person) const;
@@ -206,9 +198,8 @@ Svg ShrinkageDrawing::drawn(const std::string& id, const std::string& title, con
   draw_legend(&svg, legend(), panel_.left, kGroupTop, width_ - kGroupLeft - 10);
   draw_grid_rows(svg, panel_, scale_, 6);
   draw_y_axis(svg, panel_, scale_, fmt::format("{} ({})", jnd_title(protocol_), unit_of(protocol_)), 6);
-  const double standard = task_of(protocol_.task.kind).has_own_results() ? protocol_.stimulus.reference
-                          : protocol_.series.size() == 1                 ? protocol_.series.front().standard
-                                                                         : 0;
+  const std::vector<JudgedStandard> standards = judged_standards(protocol_);
+  const double standard = standards.size() == 1 ? standards.front().value : 0;
   if (!narrow_ && standard > 0) draw_right_axis(svg, panel_, scale_, 100 / standard, " %", "Weber fraction", 6);
   svg.rectangle(panel_.left, panel_.top, panel_.width(), panel_.height(), kFrame);
   for (const HierarchicalPerson* one : people_) draw_person(svg, *one);
@@ -217,7 +208,7 @@ Svg ShrinkageDrawing::drawn(const std::string& id, const std::string& title, con
 }
 
 std::string ratio_numbers(const HierarchicalRatio& row) {
-  const std::string p = fmt::format("p = {}", p_value_text(row.p));
+  const std::string p = p_text(row.p);
   if (!row.defined) return "no ratio, " + p;
   const std::string interval = row.ci_status == EndsStatus::ok
                                    ? range_text(row.ci_low, row.ci_high, 2)
@@ -265,10 +256,10 @@ std::vector<Figure> ratio_figures(const StudyResults& results, const Protocol& p
   const std::string jnd = jnd_title(protocol);
   column.x_title = jnd == "JND" ? "ratio of JNDs" : "ratio, " + jnd;
   for (const HierarchicalRatio& row : model->ratios) {
-    const bool several = !task_of(protocol.task.kind).has_own_results() && protocol.series.size() > 1;
+    const bool several = judged_standard_count(protocol) > 1;
     const std::string name =
         fmt::format("{} : {}{}", condition_text(protocol, row.a), condition_text(protocol, row.b),
-                    several ? ", " + protocol.series[static_cast<std::size_t>(row.series)].name : "");
+                    several ? ", " + protocol.series[static_cast<std::size_t>(row.standard)].name : "");
     const std::string numbers = ratio_numbers(row), words = fmt::format("{}: {}", name, numbers);
     forest.description += words + ". ";
     column.rows.push_back(

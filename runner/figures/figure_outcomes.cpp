@@ -5,9 +5,8 @@
 #include <fmt/format.h>
 
 #include "analysis/numerics/moments.h"
-#include "data/results/adaptive_results.h"
+#include "data/methods/markdown_text.h"
 #include "protocols/planning/allotment.h"
-#include "protocols/planning/track_threshold.h"
 #include "runner/figures/figure.h"
 #include "runner/figures/figure_conditions.h"
 #include "runner/results/result_format.h"
@@ -46,8 +45,8 @@ ConditionColumn column_of(const OutcomeComparison& outcome, std::size_t place) {
   const MeanEstimate mean = mean_with_ci(values);
   if (mean.n > 0) column.mean = mean.mean;
   if (std::isfinite(mean.ci_low)) column.interval = {mean.mean, mean.ci_low, mean.ci_high};
-  if (place < outcome.comparison.conditions.size()) {
-    const ConditionSummary& summary = outcome.comparison.conditions[place];
+  if (place < outcome.within.size()) {
+    const ConditionSummary& summary = outcome.within[place];
     if (std::isfinite(summary.ci_within_low))
       column.within = {summary.mean, summary.ci_within_low, summary.ci_within_high};
   }
@@ -97,28 +96,9 @@ std::string_view marks_of(const ConditionFigure& figure) {
 
 }  // namespace
 
-std::vector<Figure> threshold_figures(const StudyResults& results, const Protocol& protocol) {
-  for (const OutcomeComparison& outcome : results.comparisons) {
-    if (outcome.outcome != "threshold" || outcome.question || has_no_participants(outcome)) continue;
-    ConditionFigure figure = figure_of(outcome, protocol, stiffness_decimals(protocol));
-    figure.id = "threshold";
-    figure.title = "Threshold by condition";
-    figure.y_title = fmt::format("threshold ({})", outcome.unit);
-    figure.joined = true;
-    const std::string_view what =
-        threshold_source(protocol) == ThresholdSource::answers
-            ? "The JND, the difference at d' = 1, by the posterior of all answers of a condition."
-            : "The difference at which the procedure settles, averaged over the tracks of a condition.";
-    const std::string caption = fmt::format("{} {}{}", what, marks_of(figure), left_out_text(outcome));
-    return {{figure.id, figure.title, caption, draw_condition_figure(figure, protocol)}};
-  }
-  return {};
-}
-
-std::vector<Figure> task_figures(const StudyResults& results, const Protocol& protocol) {
-  const auto* measured = std::get_if<MeasuredTask>(&results.measured);
-  if (measured == nullptr || results.comparisons.empty()) return {};
-  const OutcomeComparison& outcome = results.comparisons.front();
+std::vector<Figure> outcome_figures(const StudyResults& results, const Protocol& protocol) {
+  if (results.registered() == nullptr || !results.task.cells.empty()) return {};  // of pairs that is the JND's
+  const OutcomeComparison& outcome = *results.registered();
   const bool negative =
       std::any_of(outcome.everyone.begin(), outcome.everyone.end(), [&](const ParticipantValues& one) {
         return (outcome.crossed ? one.missing.empty() : true) &&
@@ -127,10 +107,10 @@ std::vector<Figure> task_figures(const StudyResults& results, const Protocol& pr
   if (negative || has_no_participants(outcome)) return {};  // the picture is for quantities that are never negative
   ConditionFigure figure = figure_of(outcome, protocol, 3);
   figure.id = "outcome";
-  figure.title = fmt::format("{} by condition", outcome.title);
+  figure.title = fmt::format("{} by condition", capitalised(outcome.title));
   figure.y_title = outcome.unit.empty() ? outcome.title : fmt::format("{} ({})", outcome.title, outcome.unit);
   figure.joined = true;
-  const std::string caption = fmt::format("{}. {}{}", measured->task.outcomes[measured->task.registered].meaning,
+  const std::string caption = fmt::format("{}. {}{}", results.task.outcomes[results.task.registered].meaning,
                                           marks_of(figure), left_out_text(outcome));
   return {{figure.id, figure.title, caption, draw_condition_figure(figure, protocol)}};
 }

@@ -88,7 +88,7 @@ void draw_person(Svg& svg, const ParticipantValues& one, const NumericParameter&
   for (const std::size_t place : order) {
     if (!std::isfinite(one.values[place])) continue;
     corners.emplace_back(x.at(parameter.values[place]), y.at(one.values[place]));
-    words += fmt::format(" {:g}: {}", parameter.values[place], number_text(one.values[place], 3));
+    words += fmt::format(" {:g}: {}", parameter.values[place], size_text(one.values[place]));
   }
   svg.begin("point", words);
   if (corners.size() > 1) svg.polyline(corners, kFaint);
@@ -108,16 +108,14 @@ OverParameter registered_over(const OutcomeComparison& outcome) {
 
 // Where another outcome is registered, such as the PSE: the JND of the task beside it.
 std::optional<OverParameter> jnd_over(const StudyResults& results, const Protocol& protocol) {
-  const auto* measured = std::get_if<MeasuredTask>(&results.measured);
-  if (measured == nullptr) return std::nullopt;
-  const TaskResults& task = measured->task;
+  const TaskResults& task = results.task;
   const auto jnd = std::find_if(task.outcomes.begin(), task.outcomes.end(),
                                 [](const TaskOutcome& outcome) { return outcome.key == "jnd"; });
   const std::string_view registered = task.outcomes[task.registered].key;
   if (jnd == task.outcomes.end() || registered == "jnd" || registered == "weber") return std::nullopt;
   const auto place = static_cast<std::size_t>(jnd - task.outcomes.begin());
-  OverParameter over{"parameter-jnd", std::string(jnd->title), std::string(jnd->unit), "The JND", {}};
-  for (const ParticipantRows<TaskEstimateRow>& one : by_participant(task.estimates, protocol.conditions.size())) {
+  OverParameter over{"parameter-jnd", compared_title(*jnd, protocol), jnd->unit, "The JND", {}};
+  for (const ParticipantRows& one : by_participant(task.estimates, protocol.conditions.size())) {
     ParticipantValues values{one.participant, one.group, std::vector<double>(protocol.conditions.size(), kNaN), ""};
     for (const int condition : conditions_of(protocol, one.group)) {
       const auto at = static_cast<std::size_t>(condition);
@@ -140,7 +138,7 @@ std::map<double, std::vector<double>> values_by_parameter(const OverParameter& o
 }
 
 void draw_mean(Svg& svg, double at, const MeanEstimate& mean, const std::string& name, const Scale& x, const Scale& y) {
-  svg.begin("mean", fmt::format("{} {:g}: mean {}, n = {}", name, at, number_text(mean.mean, 3), mean.n));
+  svg.begin("mean", fmt::format("{} {:g}: mean {}, n = {}", name, at, size_text(mean.mean), mean.n));
   if (std::isfinite(mean.ci_low)) {
     svg.line(x.at(at), y.at(mean.ci_low), x.at(at), y.at(mean.ci_high), kInk);
     for (const double end : {mean.ci_low, mean.ci_high})
@@ -170,7 +168,7 @@ std::optional<Figure> parameter_figure(const OverParameter& outcome, const Numer
   const std::string name = parameter_title(parameter.name), title = fmt::format("{} against {}", outcome.title, name);
   std::string description;
   for (const auto& [at, mean] : means)
-    description += fmt::format("{} {:g}: mean {} of {} participants. ", name, at, number_text(mean.mean, 3), mean.n);
+    description += fmt::format("{} {:g}: mean {} of {} participants. ", name, at, size_text(mean.mean), mean.n);
   Svg svg("figure-" + outcome.id, panel.right + kParameterRight, panel.bottom + kParameterBelow, title, description);
   draw_grid_rows(svg, panel, y, 6);
   svg.rectangle(panel.left, panel.top, panel.width(), panel.height(), kFrame);
@@ -199,12 +197,12 @@ std::optional<Figure> parameter_figure(const OverParameter& outcome, const Numer
 
 std::vector<Figure> parameter_figures(const StudyResults& results, const Protocol& protocol) {
   const std::optional<NumericParameter> parameter = numeric_parameter(protocol);
-  if (!parameter || results.comparisons.empty() || results.comparisons.front().question) return {};
+  if (!parameter || results.registered() == nullptr) return {};
   std::vector<Figure> figures;
   const auto add = [&](const OverParameter& outcome) {
     if (std::optional<Figure> figure = parameter_figure(outcome, *parameter)) figures.push_back(std::move(*figure));
   };
-  add(registered_over(results.comparisons.front()));
+  add(registered_over(*results.registered()));
   if (const std::optional<OverParameter> jnd = jnd_over(results, protocol)) add(*jnd);
   return figures;
 }

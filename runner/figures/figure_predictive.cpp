@@ -20,7 +20,7 @@ constexpr std::size_t kCheckColumns = 4, kNarrowCheckColumns = 2;
 
 std::string row_words(const PredictiveRow& row, const Protocol& protocol) {
   return fmt::format("{}, {} {}: {} \"different\", drawn {}", condition_text(protocol, static_cast<int>(row.condition)),
-                     stiffness_text(row.level, protocol), unit_of(protocol), percent_text(row.share.observed),
+                     size_text(row.level), unit_of(protocol), percent_text(row.share.observed),
                      range_text(percent_text(row.share.low), percent_text(row.share.high)));
 }
 

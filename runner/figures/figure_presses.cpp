@@ -46,7 +46,7 @@ std::string press_words(const PressedTrial& trial, const Protocol& protocol) {
   bool any = false;
   for (const PressTrace& trace : trial.intervals) {
     asked += fmt::format("{}{:g}", asked.empty() ? "" : ", ", trace.stimulus);
-    felt += (felt.empty() ? "" : ", ") + (trace.delivered ? stiffness_text(*trace.delivered, protocol) : "none");
+    felt += (felt.empty() ? "" : ", ") + (trace.delivered ? size_text(*trace.delivered) : "none");
     any = any || trace.delivered;
   }
   return fmt::format("{} {}{}", asked, unit_of(protocol), any ? ", felt as " + felt : ", no force");

@@ -22,7 +22,7 @@ constexpr std::size_t kMostRocColumns = 5, kNarrowRocColumns = 2;
 // How many participants have these rates.
 using Rates = std::map<std::pair<double, double>, int>;
 
-Rates rates_of(const StudyAnalysis& analysis, int condition, int series) {
+Rates rates_of(const TaskResults& analysis, int condition, int series) {
   Rates rates;
   for (const CellResult& cell : analysis.cells) {
     const Counts& counts = cell.counts;
@@ -73,11 +73,11 @@ struct RocPanel {
 };
 
 std::string difference_text(const Series& series, const Protocol& protocol) {
-  return fmt::format("{} {}", stiffness_text(std::abs(series.pair[1] - series.pair[0]), protocol), unit_of(protocol));
+  return fmt::format("{} {}", size_text(std::abs(series.pair[1] - series.pair[0])), unit_of(protocol));
 }
 
 // A column for each condition and a row for each series; on a phone one after the other, two a row, each with its name.
-Svg draw_roc_panels(const StudyAnalysis& analysis, const Protocol& protocol, const std::string& title, bool narrow) {
+Svg draw_roc_panels(const TaskResults& analysis, const Protocol& protocol, const std::string& title, bool narrow) {
   std::vector<RocPanel> panels;
   for (std::size_t series = 0; series < protocol.series.size(); ++series)
     for (std::size_t condition = 0; condition < protocol.conditions.size(); ++condition)
@@ -113,17 +113,14 @@ Svg draw_roc_panels(const StudyAnalysis& analysis, const Protocol& protocol, con
 }  // namespace
 
 std::vector<Figure> roc_figures(const StudyResults& results, const Protocol& protocol) {
-  const auto* constant = std::get_if<ConstantResults>(&results.measured);
-  if (constant == nullptr || constant->analysis.cells.empty() || protocol.conditions.size() > kMostRocColumns)
-    return {};
+  if (results.task.cells.empty() || protocol.conditions.size() > kMostRocColumns) return {};
   const std::string title = "Hits against false alarms";
   return {
       {"roc", title,
        "Raw rates of every participant, a panel for each condition and stiffness difference; larger marks are several "
        "participants at one place. Lines of equal d' of the yes-no model: 0 (dotted), 1, 2 and 3. Towards the lower "
        "left: a criterion that leans to \"same\".",
-       draw_roc_panels(constant->analysis, protocol, title, false),
-       draw_roc_panels(constant->analysis, protocol, title, true)}};
+       draw_roc_panels(results.task, protocol, title, false), draw_roc_panels(results.task, protocol, title, true)}};
 }
 
 }  // namespace jnd

@@ -25,10 +25,10 @@ std::string verdict_of(const SensitivityRow& row) {
 Range range_of(const std::vector<SensitivityRow>& rows) {
   double registered = 0, largest = 0;
   for (const SensitivityRow& row : rows)
-    for (const double median : row.median_jnd)
-      if (std::isfinite(median)) {
-        largest = std::max(largest, median);
-        if (row.registered) registered = std::max(registered, median);
+    for (const TaskGroupRow& group : row.group)
+      if (std::isfinite(group.median)) {
+        largest = std::max(largest, group.median);
+        if (row.registered) registered = std::max(registered, group.median);
       }
   const double high = registered > 0 ? std::min(largest, 4 * registered) : largest;
   return round_range(0, high > 0 ? high : 1, 6);
@@ -41,9 +41,9 @@ void draw_row(Svg& svg, const SensitivityRow& row, const Panel& panel, const Sca
   name.size = 11;
   svg.text(panel.left - 10, y + 4, fitted(describe(row.method), name.size, kNames - 24), name);
   svg.line(panel.left, y, panel.right, y, kGrid);
-  const int conditions = static_cast<int>(row.median_jnd.size());
+  const int conditions = static_cast<int>(row.group.size());
   for (int condition = 0; condition < conditions; ++condition) {
-    const double median = row.median_jnd[static_cast<std::size_t>(condition)];
+    const double median = row.group[static_cast<std::size_t>(condition)].median;
     if (std::isnan(median)) continue;
     // Equal medians of two conditions stay apart.
     const double aside = conditions > 1 ? 8.0 * (condition / (conditions - 1.0) - 0.5) : 0;
@@ -59,7 +59,7 @@ void draw_row(Svg& svg, const SensitivityRow& row, const Panel& panel, const Sca
   TextStyle verdict = kMuted;
   verdict.bold = row.registered;
   std::string used;
-  for (const int n : row.n_ok) used += fmt::format("{}{}", used.empty() ? "" : "/", n);
+  for (const TaskGroupRow& group : row.group) used += fmt::format("{}{}", used.empty() ? "" : "/", group.mean.n);
   svg.text(panel.right + 14, y + 4,
            fitted(fmt::format("{} of {}; {}", used, row.participants, verdict_of(row)), verdict.size, kVerdict - 16),
            verdict);
@@ -69,9 +69,8 @@ std::string description_of(const std::vector<SensitivityRow>& rows, const Protoc
   std::string text;
   for (const SensitivityRow& row : rows) {
     text += describe(row.method) + ": ";
-    for (std::size_t i = 0; i < row.median_jnd.size(); ++i)
-      text += fmt::format("{} {}, ", condition_text(protocol, static_cast<int>(i)),
-                          median_text(row.median_status[i], row.median_jnd[i], protocol));
+    for (const TaskGroupRow& group : row.group)
+      text += fmt::format("{} {}, ", condition_text(protocol, group.condition), size_text(group.median));
     text += verdict_of(row) + ". ";
   }
   return text;
@@ -80,9 +79,7 @@ std::string description_of(const std::vector<SensitivityRow>& rows, const Protoc
 }  // namespace
 
 std::vector<Figure> sensitivity_figures(const StudyResults& results, const Protocol& protocol) {
-  const auto* constant = std::get_if<ConstantResults>(&results.measured);
-  if (constant == nullptr) return {};
-  const std::vector<SensitivityRow>& rows = constant->sensitivity;
+  const std::vector<SensitivityRow>& rows = results.sensitivity;
   if (rows.empty()) return {};
   const std::string title = "Median JND under every model and method";
   std::vector<LegendEntry> legend;

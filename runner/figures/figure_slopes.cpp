@@ -9,7 +9,8 @@
 
 #include "analysis/detection/differencing.h"
 #include "analysis/detection/independent_observation.h"
-#include "data/results/study_analysis.h"
+#include "analysis/numerics/special_values.h"
+#include "data/blocks/common_fields.h"
 #include "protocols/protocol.h"
 #include "runner/drawing/figure_axis.h"
 #include "runner/drawing/figure_style.h"
@@ -31,7 +32,7 @@ struct SlopeCurve {
   int condition = 0;
   std::vector<SlopePoint> points;
   double slope = 0;  // NaN: no line; inf at the ceiling
-  JndStatus status = JndStatus::ok;
+  std::string status = "ok";
 };
 
 struct SlopePanel {
@@ -57,23 +58,22 @@ double dprime_of(const CellResult& cell, const Protocol& protocol) {
 
 std::string words_of(const CellResult& cell, double dprime, const Protocol& protocol) {
   return fmt::format("{}, {}, {} {}: d' {}, hits {} of {}, false alarms {} of {}", cell.participant,
-                     condition_text(protocol, cell.condition), stiffness_text(cell.difference, protocol),
-                     unit_of(protocol), number_text(dprime, 2), cell.counts.hits, cell.counts.n_diff,
-                     cell.counts.false_alarms, cell.counts.n_same);
+                     condition_text(protocol, cell.condition), size_text(cell.difference), unit_of(protocol),
+                     number_text(dprime, 2), cell.counts.hits, cell.counts.n_diff, cell.counts.false_alarms,
+                     cell.counts.n_same);
 }
 
 std::string undefined_of(const SlopePanel& panel, const Protocol& protocol) {
   std::string undefined;
-  for (const JndStatus status : {JndStatus::no_sensitivity, JndStatus::ceiling, JndStatus::no_information}) {
+  for (const std::string_view what : {"no_sensitivity", "ceiling", "no_information"}) {
     std::string names;
     std::size_t count = 0;
     for (const SlopeCurve& curve : panel.curves)
-      if (curve.status == status) {
+      if (curve.status == what) {
         names = joined(names, condition_text(protocol, curve.condition));
         ++count;
       }
     if (count == 0) continue;
-    const std::string_view what = to_string(status);
     undefined = joined(undefined, count == panel.curves.size() ? std::string(what) : fmt::format("{} {}", names, what));
   }
   return undefined;
@@ -97,13 +97,13 @@ void draw_point(Svg& svg, const SlopePoint& point, int condition, double x, cons
 }
 
 // One for each participant, in the analysis's order.
-std::vector<SlopePanel> slope_panels(const StudyAnalysis& analysis, const Protocol& protocol) {
+std::vector<SlopePanel> slope_panels(const TaskResults& analysis, const Protocol& protocol) {
   const std::size_t series = protocol.series.size();
   std::vector<SlopePanel> panels;
-  for (std::size_t i = 0; i < analysis.thresholds.size(); ++i) {
-    const ThresholdResult& row = analysis.thresholds[i];
-    if (i == 0 || analysis.thresholds[i - 1].participant != row.participant) panels.push_back({row.participant, {}});
-    SlopeCurve curve{row.condition, {}, row.jnd.slope, row.jnd.status};
+  for (std::size_t i = 0; i < analysis.estimates.size(); ++i) {
+    const TaskEstimateRow& row = analysis.estimates[i];
+    if (i == 0 || analysis.estimates[i - 1].participant != row.participant) panels.push_back({row.participant, {}});
+    SlopeCurve curve{row.condition, {}, row.estimates.values.front().value.value_or(kNaN), row.estimates.status};
     for (std::size_t place = i * series; place < (i + 1) * series && place < analysis.cells.size(); ++place) {
       const CellResult& cell = analysis.cells[place];
       const double dprime = dprime_of(cell, protocol);
@@ -151,7 +151,7 @@ void draw_slope_panel(Svg& svg, const Panel& panel, const SlopePanel& content, c
   for (const SlopeCurve& curve : content.curves) {
     if (std::isnan(curve.slope)) continue;
     ShapeStyle style = condition_line(curve.condition);
-    if (curve.status == JndStatus::no_sensitivity) style.dash = "4 3";
+    if (curve.status == "no_sensitivity") style.dash = "4 3";
     if (!parts.points_named) {
       style.stroke_width = 0.7;
       style.opacity = 0.45;
@@ -232,11 +232,11 @@ Svg draw_grid(const std::vector<SlopePanel>& panels, const SlopeScales& scales, 
   return svg;
 }
 
-std::string caption_of(const StudyAnalysis& analysis, const Protocol& protocol, bool compact) {
+std::string caption_of(const TaskResults& analysis, const Protocol& protocol, bool compact) {
   std::string text = fmt::format(
       "d' of every {} against the {} stiffness difference, with the fitted line through the origin ({}). {}",
-      compact ? "participant and series" : "series", to_string(analysis.by), describe(analysis.method),
-      is_maximum_likelihood(analysis.method.method)
+      compact ? "participant and series" : "series", to_string(analysis.pairs.by), describe(analysis.pairs.method),
+      is_maximum_likelihood(analysis.pairs.method.method)
           ? "The line is fitted to the answers, not to the points: a point is the d' of its series alone. "
           : "");
   text +=
@@ -261,9 +261,8 @@ std::vector<SlopePanel> by_condition(const std::vector<SlopePanel>& people, cons
 }  // namespace
 
 std::vector<Figure> slope_figures(const StudyResults& results, const Protocol& protocol) {
-  const auto* constant = std::get_if<ConstantResults>(&results.measured);
-  if (constant == nullptr) return {};
-  const StudyAnalysis& analysis = constant->analysis;
+  if (results.task.cells.empty()) return {};
+  const TaskResults& analysis = results.task;
   const std::vector<SlopePanel> people = slope_panels(analysis, protocol);
   if (people.empty()) return {};
   const SlopeScales scales = slope_scales(people);

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "protocols/tasks/level_source.h"
 #include "runner/drawing/figure_axis.h"
 #include "runner/drawing/figure_style.h"
 #include "runner/figures/figure.h"
@@ -19,12 +20,12 @@ constexpr std::size_t kTrackColumns = 3;
 
 struct TrackPanel {
   std::string participant;
-  std::vector<const AdaptiveRow*> tracks, whole;  // whole: of all tracks of a condition
+  std::vector<const TrackRow*> tracks, whole;  // whole: of all tracks of a condition
 };
 
-std::vector<TrackPanel> track_panels(const AdaptiveResults& results) {
+std::vector<TrackPanel> track_panels(const TaskResults& results) {
   std::vector<TrackPanel> panels;
-  for (const AdaptiveRow& row : results.rows) {
+  for (const TrackRow& row : results.tracks) {
     if (panels.empty() || panels.back().participant != row.participant) panels.push_back({row.participant, {}, {}});
     (row.track == 0 ? panels.back().whole : panels.back().tracks).push_back(&row);
   }
@@ -38,7 +39,7 @@ struct TrackScales {
 TrackScales track_scales(const std::vector<TrackPanel>& panels) {
   double trials = 1, level = 0;
   for (const TrackPanel& panel : panels)
-    for (const AdaptiveRow* row : panel.tracks) {
+    for (const TrackRow* row : panel.tracks) {
       trials = std::max(trials, static_cast<double>(row->levels.size()));
       for (const double one : row->levels) level = std::max(level, one);
     }
@@ -46,7 +47,7 @@ TrackScales track_scales(const std::vector<TrackPanel>& panels) {
 }
 
 // Behind the levels: what the posterior said after each answer, a band of its middle 95 % and its mean.
-void draw_course(Svg& svg, const AdaptiveRow& row, const Scale& x, const Scale& y) {
+void draw_course(Svg& svg, const TrackRow& row, const Scale& x, const Scale& y) {
   if (row.course.size() < 2) return;
   std::vector<SvgPoint> band, mean;
   for (std::size_t i = 0; i < row.course.size(); ++i) {
@@ -64,7 +65,7 @@ void draw_course(Svg& svg, const AdaptiveRow& row, const Scale& x, const Scale& 
   svg.polyline(mean, line);
 }
 
-void draw_track(Svg& svg, const AdaptiveRow& row, const Scale& x, const Scale& y, const Protocol& protocol) {
+void draw_track(Svg& svg, const TrackRow& row, const Scale& x, const Scale& y, const Protocol& protocol) {
   std::vector<SvgPoint> corners;
   for (std::size_t i = 0; i < row.levels.size(); ++i)
     corners.emplace_back(x.at(static_cast<double>(i) + 1), y.at(row.levels[i]));
@@ -90,11 +91,12 @@ void draw_tracks(Svg& svg, const Panel& panel, const TrackPanel& content, const 
   svg.rectangle(panel.left, panel.top, panel.width(), panel.height(), kFrame);
   if (y_labels) draw_y_axis(svg, panel, y, "", 4);
   if (x_labels) draw_x_axis(svg, panel, x, "", 4);
-  for (const AdaptiveRow* row : content.tracks) draw_track(svg, *row, x, y, protocol);
+  for (const TrackRow* row : content.tracks) draw_track(svg, *row, x, y, protocol);
   // What they come to stands at the right edge.
-  for (const AdaptiveRow* row : content.whole) {
-    const double threshold = row->threshold.threshold;
-    if (row->threshold.status != AdaptiveStatus::ok || !y.inside(threshold)) continue;
+  for (const TrackRow* row : content.whole) {
+    if (!row->threshold || row->threshold->status != AdaptiveStatus::ok || !y.inside(row->threshold->threshold))
+      continue;
+    const double threshold = row->threshold->threshold;
     const double at = y.at(threshold);
     svg.polygon({{panel.right - 8, at}, {panel.right + 1, at - 4}, {panel.right + 1, at + 4}},
                 condition_fill(row->condition));
@@ -128,7 +130,12 @@ Svg draw_track_panels(const std::vector<TrackPanel>& panels, const TrackScales& 
   }
   TextStyle upwards = anchored(kLabel, "middle");
   upwards.upwards = true;
-  svg.text(18, (top + bottom) / 2, fmt::format("difference ({})", unit_of(protocol)), upwards);
+  svg.text(
+      18, (top + bottom) / 2,
+      fmt::format("{} ({})",
+                  sides_of_comparisons(protocol, protocol.series.front()).front() == 0 ? "comparison" : "difference",
+                  unit_of(protocol)),
+      upwards);
   svg.text((kTrackLeft + width) / 2, bottom + 42, "trial of the track", anchored(kLabel, "middle"));
   return svg;
 }
@@ -136,14 +143,14 @@ Svg draw_track_panels(const std::vector<TrackPanel>& panels, const TrackScales& 
 }  // namespace
 
 std::vector<Figure> track_figures(const StudyResults& results, const Protocol& protocol) {
-  const auto* adaptive = std::get_if<AdaptiveResults>(&results.measured);
-  if (adaptive == nullptr || adaptive->rows.empty()) return {};
-  std::vector<TrackPanel> panels = track_panels(*adaptive);
+  const std::vector<TrackRow>& rows = results.task.tracks;
+  if (rows.empty()) return {};
+  std::vector<TrackPanel> panels = track_panels(results.task);
   const std::size_t participants = panels.size();
   panels.resize(std::min(participants, kMostPeopleDrawn));
   const TrackScales scales = track_scales(panels);
-  const bool has_course = std::any_of(adaptive->rows.begin(), adaptive->rows.end(),
-                                      [](const AdaptiveRow& row) { return !row.course.empty(); });
+  const bool has_course =
+      std::any_of(rows.begin(), rows.end(), [](const TrackRow& row) { return !row.course.empty(); });
   const std::string caption = fmt::format(
       "Presented differences of every track in the order of its trials; a second track of a condition is dashed.{} The "
       "wedges at the right are what the tracks of a condition come to.{}",

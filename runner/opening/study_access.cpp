@@ -6,8 +6,9 @@
 
 #include "analysis/numerics/words.h"
 #include "data/copies/rescued_copy.h"
+#include "data/fields/number_text.h"
 #include "data/log/event_body.h"
-#include "data/results/study_analysis.h"
+#include "data/results/study_results.h"
 #include "data/study/blinding.h"
 #include "data/verify/verify.h"
 #include "devices/contact/object_json.h"
@@ -16,7 +17,6 @@
 #include "protocols/reading/protocol_json.h"
 #include "runner/opening/protocol_fitness.h"
 #include "runner/terminal/exit_code.h"
-#include "runner/terminal/number_text.h"
 #include "runner/terminal/terminal.h"
 
 namespace jnd {

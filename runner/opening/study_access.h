@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "data/results/study_analysis.h"
+#include "data/results/study_results.h"
 #include "data/study/study.h"
 #include "devices/rigs/rig_factory.h"
 #include "protocols/protocol.h"

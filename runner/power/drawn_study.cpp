@@ -69,6 +69,12 @@ double mean_of(const std::vector<double>& values) {
   return sum / static_cast<double>(values.size());
 }
 
+// As in the median of jnd analyze: no sensitivity is the largest JND, a ceiling the smallest; NaN of neither.
+double ranked_value(const TaskEstimate& jnd) {
+  if (jnd.beyond == Beyond::above) return kInf;
+  return jnd.beyond == Beyond::below ? 0 : jnd.value.value_or(kNaN);
+}
+
 void correct(std::vector<GroupContrast>& contrasts) {
   std::vector<double> p;
   for (const GroupContrast& one : contrasts) p.push_back(one.p);
@@ -88,14 +94,14 @@ StudyAnalyst::StudyAnalyst(const Protocol& protocol, const PowerQuestion& questi
   model_.response = response_model_of(protocol).value();
   model_.shared.lapse = question.people.lapse;
   model_.own_tv = protocol.analysis.own_spreads;
-  if (evidence_ != Evidence::answers) return;
+  measured_ = empty_task_results(protocol);
+  jnd_ = measured_.registered;
   const AnswerModel answers = task_of(protocol.task.kind).answer_model(protocol).value();
+  if (evidence_ == Evidence::counts) jnd_ = 1;  // beside the slope, which may be what is compared
+  if (evidence_ != Evidence::answers) return;
   of_noise_ = answers.jnd_of_s;
   model_.tw = !answers.pse_at_standard;
   compares_jnds_ = protocol.analysis.outcome == answers.jnd || protocol.analysis.outcome == "weber";
-  const std::vector<TaskOutcome> outcomes = measured_outcomes(protocol);
-  for (std::size_t i = 0; i < outcomes.size(); ++i)
-    if (outcomes[i].key == protocol.analysis.outcome) task_outcome_ = i;
 }
 
 // of: of a group, or of everybody where there are none; NaN of those that do not count. Groups are of one size.
@@ -217,8 +223,9 @@ StudyOutcome StudyAnalyst::registered(std::span<const DrawnPerson> people) const
     outcome.contrasts = hierarchical(people).contrasts;
     outcome.contrasts.resize(question_.contrasts.size());
   } else {
-    for (const ContrastRow& row : contrast_rows({}, values, protocol_))
-      outcome.contrasts.push_back({row.difference.mean, row.difference.ci_low, row.difference.ci_high, row.p});
+    for (const ContrastRow& row : contrast_rows(values, protocol_))
+      outcome.contrasts.push_back(
+          {row.difference.mean, row.difference.ci_low, row.difference.ci_high, row.p_registered});
   }
   if (!question_.group_tests.empty())
     add_group_tests(outcome, compare_groups(values, protocol_).comparison, protocol_.analysis.tests.between);
@@ -227,17 +234,9 @@ StudyOutcome StudyAnalyst::registered(std::span<const DrawnPerson> people) const
 }
 
 OutcomeComparison StudyAnalyst::compared(std::span<const DrawnPerson> people) const {
-  if (evidence_ == Evidence::answers) {
-    TaskResults results;
-    results.outcomes = measured_outcomes(protocol_);
-    results.registered = task_outcome_;
-    results.estimates = rows_of<TaskEstimateRow>(people, &DrawnPerson::estimates);
-    return compare_task(results, protocol_, Compared::contrasts);
-  }
-  if (evidence_ == Evidence::tracks)
-    return compare_adaptive(rows_of<AdaptiveRow>(people, &DrawnPerson::tracks), protocol_, Compared::contrasts);
-  return compare_thresholds(rows_of<ThresholdResult>(people, &DrawnPerson::thresholds), protocol_,
-                            protocol_.analysis.tests.outcome, Compared::contrasts);
+  TaskResults results = measured_;
+  results.estimates = rows_of<TaskEstimateRow>(people, &DrawnPerson::estimates);
+  return compare_task(results, protocol_, Compared::contrasts);
 }
 
 // comparison: empty where there is none. test: what its pairs are tested by.
@@ -268,16 +267,14 @@ void StudyAnalyst::add_registered_group(StudyOutcome& outcome, std::span<const D
   };
   for (const DrawnPerson& person : people) {
     if (person.dropped) continue;
-    for (const ThresholdResult& row : person.thresholds)
-      add(row.condition, row.jnd.status == JndStatus::ok ? row.jnd.jnd : kNaN);
-    for (const AdaptiveRow& row : person.tracks)
-      add(row.condition, row.threshold.status == AdaptiveStatus::ok ? row.threshold.threshold : kNaN);
+    const std::size_t standards = judged_standard_count(protocol_);
     for (const TaskEstimateRow& row : person.estimates) {
-      if (row.series != 0) continue;
-      const std::span<const TaskEstimateRow> series = {&row, protocol_.series.size()};
-      const bool complete = &row + protocol_.series.size() <= person.estimates.data() + person.estimates.size();
-      const double scale = protocol_.analysis.outcome == "weber" ? protocol_.series.front().standard : 1;
-      add(row.condition, complete ? scale * outcome_value(series.front(), task_outcome_, protocol_) : kNaN);
+      if (row.standard != 0) continue;
+      const bool complete = &row + standards <= person.estimates.data() + person.estimates.size();
+      const double scale = evidence_ == Evidence::answers && protocol_.analysis.outcome == "weber"
+                               ? protocol_.series.front().standard
+                               : 1;
+      add(row.condition, complete ? scale * outcome_value(row, jnd_, protocol_) : kNaN);
     }
   }
   for (const std::vector<double>& of_condition : jnds) {
@@ -292,13 +289,13 @@ StudyOutcome StudyAnalyst::median(std::span<const DrawnPerson> people) const {
   for (const DrawnPerson& person : people) {
     if (person.dropped) continue;
     for (std::vector<double>& of_condition : slopes) of_condition.push_back(kNaN);
-    for (const ThresholdResult& row : person.thresholds) {
+    for (const TaskEstimateRow& row : person.estimates) {
       const auto c = static_cast<std::size_t>(row.condition);
-      // As in the median of jnd analyze: no sensitivity is the largest JND, a ceiling the smallest.
-      if (row.jnd.status != JndStatus::no_information)
-        jnds[c].push_back(row.jnd.status == JndStatus::no_sensitivity ? kInf : row.jnd.jnd);
-      outcome.undefined = outcome.undefined || row.jnd.status != JndStatus::ok;
-      slopes[c].back() = std::isfinite(row.jnd.slope) ? row.jnd.slope : kNaN;
+      const TaskEstimate& jnd = row.estimates.values[jnd_];
+      if (const double ranked = ranked_value(jnd); !std::isnan(ranked)) jnds[c].push_back(ranked);
+      outcome.undefined = outcome.undefined || !jnd.value;
+      const double slope = row.estimates.values.front().value.value_or(kNaN);
+      slopes[c].back() = std::isfinite(slope) ? slope : kNaN;
     }
   }
   for (const std::vector<double>& of_condition : jnds) outcome.group.push_back(median_of_jnds(of_condition));
@@ -328,13 +325,12 @@ void StudyAnalyst::add_median_groups(StudyOutcome& outcome, std::span<const Draw
     for (const DrawnPerson& person : people) {
       if (person.dropped || person.group != static_cast<int>(g)) continue;
       double sum = 0;
-      for (const ThresholdResult& row : person.thresholds) {
-        sum += row.jnd.slope;
-        if (row.jnd.status != JndStatus::no_information)
-          jnds[static_cast<std::size_t>(row.condition)].push_back(
-              row.jnd.status == JndStatus::no_sensitivity ? kInf : row.jnd.jnd);
+      for (const TaskEstimateRow& row : person.estimates) {
+        sum += row.estimates.values.front().value.value_or(kNaN);
+        if (const double ranked = ranked_value(row.estimates.values[jnd_]); !std::isnan(ranked))
+          jnds[static_cast<std::size_t>(row.condition)].push_back(ranked);
       }
-      if (std::isfinite(sum)) slopes[g].push_back(sum / static_cast<double>(person.thresholds.size()));
+      if (std::isfinite(sum)) slopes[g].push_back(sum / static_cast<double>(person.estimates.size()));
     }
     for (const int c : conditions_of(protocol_, static_cast<int>(g)))
       ln_medians[g].push_back(std::log(median_of_jnds(jnds[static_cast<std::size_t>(c)]).jnd));

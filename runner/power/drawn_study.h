@@ -65,11 +65,12 @@ class StudyAnalyst {
   double effect_;
   HierarchicalPlace truth_;
   HierarchicalModel model_;
-  double of_noise_ = 1;           // JND, as the protocol means it, of a noise s of 1
-  bool known_ = true;             // the truth is: of participants simulated through the rig it is not
-  Evidence evidence_;             // of an estimate; of answers:
-  bool compares_jnds_ = true;     // the registered outcome is the JND, or the Weber fraction
-  std::size_t task_outcome_ = 0;  // its place
+  double of_noise_ = 1;        // JND, as the protocol means it, of a noise s of 1
+  bool known_ = true;          // the truth is: of participants simulated through the rig it is not
+  Evidence evidence_;          // of an estimate
+  TaskResults measured_;       // outcomes, and which of them is registered
+  std::size_t jnd_ = 0;        // place of the JND, or of what stands for it
+  bool compares_jnds_ = true;  // the registered outcome moves with the JND
 };
 
 // The scale of an analysis's contrasts, or tests of groups: "d' per N/m" is the registered slope, "ln JND" that of log-ml

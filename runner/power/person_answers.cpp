@@ -37,20 +37,6 @@ void add_thresholds(DrawnPerson& person, int participant, const std::vector<Pers
   }
 }
 
-void add_tracks(DrawnPerson& person, int participant, const std::vector<AdaptiveTrack>& tracks,
-                const Protocol& protocol) {
-  std::map<int, std::vector<AdaptiveTrack>> by_condition;
-  for (const AdaptiveTrack& track : tracks) by_condition[track.condition].push_back(track);
-  for (const auto& [condition, own] : by_condition) {
-    if (!has_condition(protocol, person.group, condition)) continue;
-    AdaptiveRow& row = person.tracks.emplace_back();
-    row.participant = name_of(participant);
-    row.group = person.group;
-    row.condition = condition;
-    row.threshold = condition_threshold(own, protocol);
-  }
-}
-
 void add_estimates(DrawnPerson& person, int participant, const PersonAnswers& answers, const Protocol& protocol) {
   std::map<std::pair<int, int>, std::vector<AnsweredTrial>> by_cell;  // condition and series
   for (const PersonAnswer& one : answers.given) by_cell[{one.condition, one.series}].push_back(one.trial);
@@ -62,7 +48,7 @@ void add_estimates(DrawnPerson& person, int participant, const PersonAnswers& an
     row.participant = name_of(participant);
     row.group = person.group;
     row.condition = place.first;
-    row.series = place.second;
+    row.standard = place.second;
     row.trials = static_cast<int>(trials.size());
     row.estimates = measured_estimates(protocol, protocol.series[static_cast<std::size_t>(place.second)], trials, own);
   }
@@ -84,32 +70,31 @@ void add_answers(std::vector<HierarchicalCell>& cells, std::size_t condition, do
 
 void add_threshold(DrawnPerson& person, int participant, std::size_t condition, const std::vector<SeriesCounts>& series,
                    const Protocol& protocol, const ThresholdMethod& method) {
-  ThresholdResult& result = person.thresholds.emplace_back();
-  result.participant = name_of(participant);
-  result.group = person.group;
-  result.condition = static_cast<int>(condition);
-  result.jnd = estimate_jnd(series, protocol.stimulus.reference, method.method, method.correction);
+  TaskEstimateRow& row = person.estimates.emplace_back();
+  row.participant = name_of(participant);
+  row.group = person.group;
+  row.condition = static_cast<int>(condition);
+  const double reference = protocol.stimulus.reference;
+  row.estimates = estimates_of(estimate_jnd(series, reference, method.method, method.correction), reference);
 }
 
 void add_measured(DrawnPerson& person, int participant, const PersonAnswers& answers, const Protocol& protocol) {
   const Task& task = task_of(protocol.task.kind);
   const AnswerModel observer = task.answer_model(protocol).value();
-  const Evidence evidence = task.evidence(protocol);
+  const bool given_pairs = task.evidence(protocol) == Evidence::counts;
   for (const PersonAnswer& one : answers.given) {
     LevelAnswer answer = task.level_answer(one.trial, protocol.task);
-    if (answer.level == 0 && evidence == Evidence::counts) {
+    if (answer.level == 0 && given_pairs) {
       const std::array<double, 2>& pair = protocol.series[static_cast<std::size_t>(one.series)].pair;
       answer.level = observer.level_of_equal(std::abs(pair[1] - pair[0]));
     }
     add_answers(person.answers, static_cast<std::size_t>(one.condition), answer.level, answer.positive ? 1 : 0,
                 answer.positive ? 0 : 1);
   }
-  if (evidence == Evidence::answers)
-    add_estimates(person, participant, answers, protocol);
-  else if (evidence == Evidence::tracks)
-    add_tracks(person, participant, answers.tracks, protocol);
-  else
+  if (given_pairs)
     add_thresholds(person, participant, answers.given, protocol);
+  else
+    add_estimates(person, participant, answers, protocol);
 }
 
 }  // namespace jnd

@@ -6,8 +6,6 @@
 #include <vector>
 
 #include "analysis/hierarchical/hierarchical_likelihood.h"
-#include "data/results/adaptive_results.h"
-#include "data/results/study_analysis.h"
 #include "data/task_results/task_results.h"
 #include "protocols/planning/adaptive_run.h"
 #include "protocols/protocol.h"
@@ -15,14 +13,12 @@
 
 namespace jnd {
 
-// What one participant leaves, by condition. One of thresholds, tracks and estimates is filled, as the protocol measures.
+// What one participant leaves.
 struct DrawnPerson {
-  std::optional<int> group{};               // place in Protocol::groups
-  std::vector<HierarchicalCell> answers;    // by condition and level; participant 0
-  std::vector<ThresholdResult> thresholds;  // of same-different with given levels
-  std::vector<AdaptiveRow> tracks;          // of same-different under a procedure: a condition's, all tracks
-  std::vector<TaskEstimateRow> estimates;   // of the other tasks: by condition and series
-  bool dropped = false;                     // out: nothing of it counts
+  std::optional<int> group{};              // place in Protocol::groups
+  std::vector<HierarchicalCell> answers;   // by condition and level; participant 0
+  std::vector<TaskEstimateRow> estimates;  // by condition and standard
+  bool dropped = false;                    // out: nothing of it counts
 };
 
 // An answer that counts.

@@ -7,11 +7,11 @@
 #include <fmt/ranges.h>
 
 #include "data/fields/csv_writer.h"
+#include "data/fields/number_text.h"
 #include "protocols/planning/allotment.h"
 #include "protocols/tasks/level_source.h"
 #include "protocols/version.h"
 #include "runner/terminal/json_output.h"
-#include "runner/terminal/number_text.h"
 #include "runner/terminal/terminal.h"
 #include "runner/terminal/text_table.h"
 

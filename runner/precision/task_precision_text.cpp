@@ -4,10 +4,10 @@
 
 #include <fmt/format.h>
 
+#include "data/fields/number_text.h"
 #include "protocols/planning/track_threshold.h"
 #include "protocols/tasks/task.h"
 #include "runner/terminal/json_output.h"
-#include "runner/terminal/number_text.h"
 #include "runner/terminal/terminal.h"
 
 namespace jnd {

@@ -8,6 +8,7 @@
 
 #include "data/export/data_package.h"
 #include "data/export/export_tables.h"
+#include "data/export/result_files.h"
 #include "data/log/event_body.h"
 #include "data/log/utc_time.h"
 #include "data/study/trial_rows.h"
@@ -51,18 +52,6 @@ void add_trials(const Study& study, const SessionInfo& session, const std::set<s
   }
 }
 
-// Writes the results, and adds what their columns mean.
-void write_results(ExportFolder& files, const BlindedResults& results, const Protocol& protocol,
-                   std::vector<DictionaryRow>& dictionary) {
-  const auto write = [&](const std::string& name, const auto& fields, const auto& rows) {
-    const auto columns = csv_columns(fields);
-    files.write(name, csv_table(columns, rows));
-    describe(name, columns, dictionary);
-  };
-  write("monitoring.csv", blinded_participant_fields(), results.participants);
-  if (!results.groups.empty()) write("coded.csv", blinded_group_fields(protocol), results.groups);
-}
-
 }  // namespace
 
 std::string coded_data(SessionKind kind) {
@@ -70,9 +59,7 @@ std::string coded_data(SessionKind kind) {
 }
 
 void write_blinded_results(ExportFolder& files, const BlindedResults& results, const Protocol& protocol) {
-  std::vector<DictionaryRow> dictionary;
-  write_results(files, results, protocol, dictionary);
-  write_descriptions(files, protocol, coded_data(results.kind), std::move(dictionary));
+  write_results(files, blinded_blocks(results, protocol), protocol, coded_data(results.kind));
 }
 
 std::vector<std::string> export_blinded(const Study& study, const Protocol& protocol, const BlindedResults& results,
@@ -94,7 +81,7 @@ std::vector<std::string> export_blinded(const Study& study, const Protocol& prot
   for (const SessionInfo& session : sessions)
     if (!session.excluded) add_trials(study, session, not_counted[session.id], trials);
   trials.describe_in(dictionary);
-  write_results(files, results, protocol, dictionary);
+  add_results(files, blinded_blocks(results, protocol), dictionary);
   write_descriptions(files, protocol, coded_data(results.kind), std::move(dictionary));
   return files.publish();
 }
@@ -114,7 +101,8 @@ std::string blinded_page(const BlindedResults& results, const Protocol& protocol
       "<h2 id=\"blinded\">This study is blinded</h2>\n{}</section>\n",
       list_html({results.line}));
   if (results.participants.empty()) html += "<p class=\"lead\">No session has begun yet.</p>\n";
-  for (const ResultTable& table : blinded_tables(results, protocol)) html += table_html(table);
+  for (const Block& block : blinded_blocks(results, protocol))
+    if (block.rows() > 0) html += table_html(table_of(block));
   html += fmt::format(
       "<h2 id=\"provenance\">Provenance</h2>\n<dl>\n<dt>Program</dt><dd>jnd {}</dd>\n<dt>Study</dt><dd>{}</dd>\n"
       "<dt>Protocol</dt><dd>{}</dd>\n<dt>SHA-256 of the protocol</dt><dd class=\"hash\">{}</dd>\n"

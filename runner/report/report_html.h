@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "runner/figures/figure.h"
-#include "runner/results/result_tables.h"
+#include "runner/results/block_output.h"
 
 namespace jnd {
 

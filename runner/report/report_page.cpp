@@ -9,7 +9,7 @@
 #include "runner/report/report_html.h"
 #include "runner/report/report_markdown.h"
 #include "runner/report/report_style.h"
-#include "runner/results/answer_tables.h"
+#include "runner/results/analysis_text.h"
 
 namespace jnd {
 
@@ -26,16 +26,18 @@ std::string head_html(const Protocol& protocol, const ReportFacts& facts) {
 }
 
 // What was found: the same verdict and tables that `jnd analyze` begins with.
-std::string summary_html(const StudyResults& results, const Protocol& protocol) {
-  const Attendance& attendance = attendance_of(results);
+std::string summary_html(const StudyResults& results, const std::vector<Block>& blocks, const Protocol& protocol) {
+  const Attendance& attendance = results.attendance;
   if (attendance.participants == 0)
     return fmt::format("<p class=\"lead\">This study holds no {} session yet: there is nothing to report.</p>\n",
                        to_string(attendance.kind));
   std::string html = fmt::format("<p>{}.</p>\n", escape_markup(who_took_part(results, protocol)));
   if (const std::string verdict = verdict_text(results, protocol); !verdict.empty())
     html += fmt::format("<p class=\"lead\">{}</p>\n", escape_markup(verdict));
-  if (std::holds_alternative<ExplorationResults>(results.measured)) return html;  // its tables follow all the same
-  for (ResultTable table : answer_tables(results, protocol)) {
+  if (results.task.outcomes.empty()) return html;  // its tables follow all the same
+  for (const Block& block : blocks) {
+    ResultTable table = answer_of(block);
+    if (table.rows.empty()) continue;
     table.id = fmt::format("answer-{}", table.id);
     html += table_html(table);
   }
@@ -92,11 +94,11 @@ std::string provenance_html(const StudyResults& results, const Protocol& protoco
       "<dt>Chains of events</dt><dd class=\"hash\">{}</dd>\n{}</dl>\n",
       escape_markup(facts.program_version), user_text(facts.study_file),
       facts.study_seed ? std::to_string(*facts.study_seed) : "sealed while the study is blinded",
-      user_text(protocol.name), escape_markup(protocol.sha256), to_string(attendance_of(results).kind),
+      user_text(protocol.name), escape_markup(protocol.sha256), to_string(results.attendance.kind),
       escape_markup(chain_line(results.chains)), source_html(protocol.source));
-  ResultTable heads{"heads", "Session heads", "the last hash of each session's chain of events", {}, {}, {}};
+  ResultTable heads{"heads", "Session heads", "the last hash of each session's chain of events"};
   heads.columns = {{"participant"}, {"session"}, {"state"}, {"head"}};
-  for (const SessionHead& head : attendance_of(results).heads)
+  for (const SessionHead& head : results.attendance.heads)
     heads.rows.push_back({head.participant, head.session, head.closed ? "finished" : "not finished", head.hash});
   if (!heads.rows.empty()) html += table_html(heads);
   return html;
@@ -104,17 +106,20 @@ std::string provenance_html(const StudyResults& results, const Protocol& protoco
 
 }  // namespace
 
-std::string report_page(const StudyResults& results, const Protocol& protocol, const std::vector<ResultTable>& tables,
+std::string report_page(const StudyResults& results, const Protocol& protocol, const std::vector<Block>& blocks,
                         const std::vector<Figure>& figures, const std::string& methods_markdown,
                         const ReportFacts& facts) {
+  std::vector<ResultTable> tables;
+  for (const Block& block : blocks)
+    if (ResultTable table = table_of(block); !table.rows.empty()) tables.push_back(std::move(table));
   std::string html = head_html(protocol, facts);
   html += fmt::format(
       "<body>\n<a class=\"skip\" href=\"#summary\">Skip to the results</a>\n<header>\n<p class=\"eyebrow\">Report of "
       "{} "
       "<span class=\"kind\">{}</span></p>\n<h1>{}</h1>\n</header>\n",
-      user_text(facts.study_file), to_string(attendance_of(results).kind), user_text(protocol.title));
-  html += "<main>\n<h2 id=\"summary\">Summary</h2>\n" + summary_html(results, protocol);
-  html += alert_html("state", "State of the study", state_of(attendance_of(results), facts));
+      user_text(facts.study_file), to_string(results.attendance.kind), user_text(protocol.title));
+  html += "<main>\n<h2 id=\"summary\">Summary</h2>\n" + summary_html(results, blocks, protocol);
+  html += alert_html("state", "State of the study", state_of(results.attendance, facts));
   html += alert_html("deviations", "Deviations from what was registered", results.deviations);
   html += alert_html("cautions", "Cautions", results.cautions);
   html += contents_html(figures, tables, !methods_markdown.empty());

@@ -10,10 +10,10 @@
 #include <string>
 #include <vector>
 
+#include "data/fields/block.h"
 #include "data/results/study_results.h"
 #include "protocols/protocol.h"
 #include "runner/figures/figure.h"
-#include "runner/results/result_tables.h"
 
 namespace jnd {
 
@@ -27,7 +27,7 @@ struct ReportFacts {
 
 // figures: study_figures(results, protocol). methods_markdown: see report_markdown.h; the section is left out where it
 // is empty.
-std::string report_page(const StudyResults& results, const Protocol& protocol, const std::vector<ResultTable>& tables,
+std::string report_page(const StudyResults& results, const Protocol& protocol, const std::vector<Block>& blocks,
                         const std::vector<Figure>& figures, const std::string& methods_markdown,
                         const ReportFacts& facts);
 

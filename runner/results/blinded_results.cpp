@@ -6,7 +6,7 @@
 #include "analysis/numerics/moments.h"
 #include "analysis/numerics/special_values.h"
 #include "data/log/event_body.h"
-#include "data/results/adaptive_results.h"
+#include "data/results/attendance.h"
 #include "protocols/planning/condition_codes.h"
 #include "runner/terminal/terminal.h"
 
@@ -55,7 +55,7 @@ BlindedParticipant summed(Tally tally, const Protocol& protocol) {
               : tally.closed >= protocol.design.sessions ? "finished"
               : tally.ended_early                        ? "ended early"
                                                          : "not finished";
-  row.said_different = protocol.task.kind == TaskKind::same_different ? tally.different / answers : kNaN;
+  row.said_different = protocol.explore || !task_of(protocol.task.kind).has_pairs() ? kNaN : tally.different / answers;
   row.mean_trial_s = tally.seconds / answers;
   row.median_response_time_s = median_of(tally.response_times);
   return row;
@@ -68,19 +68,18 @@ BlindedGroup together(BlindedGroup row) {
   return row;
 }
 
+// The registered outcome, or the JND of pairs, where the task has one estimate in a condition.
 std::vector<BlindedGroup> groups_of(const Study& study, const Protocol& protocol, DifferenceSource by) {
   const std::vector<std::string> codes = condition_codes(protocol, study.info().seed);
-  const auto code = [&](int condition) { return codes.at(static_cast<std::size_t>(condition)); };
   std::vector<BlindedGroup> rows;
-  if (protocol.design.procedure) {
-    for (const AdaptiveGroup& group : adaptive_results(study, protocol, SessionKind::real).group)
-      rows.push_back(together({code(group.condition), group.n, group.of, group.mean, kNaN, kNaN}));
-  } else if (protocol.task.kind == TaskKind::same_different) {
-    for (const GroupResult& group : analyze(study, protocol, SessionKind::real, by).group) {
-      const MeanEstimate& jnd = group.jnd.mean_jnd;
-      rows.push_back(together({code(group.condition), jnd.n, group.jnd.n, jnd.mean, jnd.ci_low, jnd.ci_high}));
-    }
-  }
+  if (protocol.explore || !task_of(protocol.task.kind).has_pairs()) return rows;
+  const std::vector<SessionInfo> sessions = sessions_of(study, SessionKind::real);
+  const TaskResults results =
+      task_results(study, protocol, sessions, CountedTrials(study, protocol, sessions, false), by);
+  for (const TaskGroupRow& row : results.group)
+    if (const std::string_view key = results.outcomes[row.outcome].key; key == "jnd" || key == "threshold")
+      rows.push_back(together({codes.at(static_cast<std::size_t>(row.condition)), row.mean.n, row.participants,
+                               row.mean.mean, row.mean.ci_low, row.mean.ci_high}));
   // In the order of the letters, which says nothing about the order in the protocol.
   std::sort(rows.begin(), rows.end(), [](const BlindedGroup& a, const BlindedGroup& b) { return a.code < b.code; });
   return rows;

@@ -8,12 +8,11 @@
 
 #include <nlohmann/json.hpp>
 
-#include "data/fields/field.h"
-#include "data/results/study_analysis.h"
+#include "data/fields/block.h"
 #include "data/study/blinding.h"
+#include "data/task_results/task_results.h"
 #include "data/verify/chain_check.h"
 #include "protocols/protocol.h"
-#include "runner/results/result_tables.h"
 
 namespace jnd {
 
@@ -57,11 +56,9 @@ struct BlindedResults {
 BlindedResults blinded_results(const Study& study, const Protocol& protocol, SessionKind kind, DifferenceSource by,
                                const std::string& study_name);
 
-std::vector<ResultTable> blinded_tables(const BlindedResults& results, const Protocol& protocol);
+// "monitoring" and "coded", of which the latter may have no rows. They refer to the results.
+std::vector<Block> blinded_blocks(const BlindedResults& results, const Protocol& protocol);
 nlohmann::ordered_json to_json(const BlindedResults& results, const Protocol& protocol);
 nlohmann::ordered_json to_json(const BlindingState& state);
-
-Fields<BlindedParticipant> blinded_participant_fields();
-Fields<BlindedGroup> blinded_group_fields(const Protocol& protocol);
 
 }  // namespace jnd

@@ -291,16 +291,4 @@ std::vector<CellCounts> simulate_counts(const Simulation& simulation, const RigF
   });
 }
 
-AdaptiveResults simulate_thresholds(const Simulation& simulation) {
-  const Protocol& protocol = simulation.protocol;
-  AdaptiveResults results;
-  results.attendance = {SessionKind::simulated, simulation.participants, {}, {}};
-  results.rows = rows_of_all<AdaptiveRow>(simulation, {}, [&](const SimulatedSessions& sessions) {
-    return adaptive_rows(sessions.events, protocol, participant_code(sessions.participant), SessionKind::simulated,
-                         sessions.group);
-  });
-  if (!interrupt_requested()) results.group = adaptive_group(results.rows, protocol);
-  return results;
-}
-
 }  // namespace jnd

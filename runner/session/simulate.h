@@ -13,8 +13,7 @@
 #include <vector>
 
 #include "data/log/session_log.h"
-#include "data/results/adaptive_results.h"
-#include "data/results/study_analysis.h"
+#include "data/results/study_results.h"
 #include "data/study/study.h"
 #include "devices/participants/simulated_participant.h"
 #include "devices/rig.h"
@@ -67,9 +66,6 @@ bool simulate_people(const Simulation& simulation, const std::function<void(cons
 
 // Of same-different: the counts alone. Empty where interrupted.
 std::vector<CellCounts> simulate_counts(const Simulation& simulation, const RigFilter& rig_filter = {});
-
-// The same for a protocol whose answers set the levels: its thresholds. Empty where interrupted.
-AdaptiveResults simulate_thresholds(const Simulation& simulation);
 
 // The seed of the study with this number, from 0, among many that are simulated with one seed; below 2^53, so that every
 // program reads it from a table as it is.

@@ -7,15 +7,16 @@
 #include <fmt/format.h>
 
 #include "analysis/numerics/stop_request.h"
+#include "data/blocks/result_blocks.h"
 #include "data/export/data_package.h"
-#include "data/export/result_columns.h"
+#include "data/export/result_files.h"
+#include "data/fields/number_text.h"
 #include "data/files/scratch_folder.h"
 #include "protocols/input/csv_table.h"
 #include "protocols/input/input_error.h"
 #include "protocols/input/sha256.h"
 #include "runner/opening/study_access.h"
 #include "runner/session/ordered_work.h"
-#include "runner/terminal/number_text.h"
 #include "runner/terminal/terminal.h"
 
 namespace jnd {
@@ -29,7 +30,8 @@ std::vector<ResultFile> results_of_study(const ReplicationQuestion& question, st
   simulation.seed = seed_of_study(question.seed, number);
   simulation.participants = question.participants;
   simulation.record = RecordPolicy::off;
-  return result_files(simulated_results(simulation, question.by), question.protocol, nullptr,
+  const StudyResults results = simulated_results(simulation, question.by);
+  return result_files(result_blocks(results, question.protocol),
                       {{"study", "which of the simulated studies, from 1", number + 1},
                        {"seed", "of the study: jnd simulate with it makes this one again",
                         static_cast<std::int64_t>(simulation.seed)}});
@@ -103,12 +105,12 @@ void require_own(const ordered_json& table) {
 
 }  // namespace
 
-StudyResults simulated_results(const Simulation& simulation, DifferenceSource by) {
+StudyResults simulated_results(const Simulation& simulation, DifferenceSource by, bool hierarchical) {
   const ScratchFolder folder("simulated");
   const std::unique_ptr<Study> study = open_or_create_study(folder.path() / "study.sqlite", simulation.protocol,
                                                             simulation.seed, {simulated_epoch_ns(1), 0});
   if (simulate_study(simulation, *study).interrupted) throw Stopped();  // what there is then is no study
-  return results_of(*study, simulation.protocol, SessionKind::simulated, by);
+  return results_of(*study, simulation.protocol, SessionKind::simulated, {.by = by, .hierarchical = hierarchical});
 }
 
 StudyShard replication_shard(const ReplicationQuestion& question, int number, int of) {

@@ -14,7 +14,6 @@
 
 #include "data/export/export_folder.h"
 #include "data/fields/csv_writer.h"
-#include "data/results/study_analysis.h"
 #include "data/results/study_results.h"
 #include "runner/session/simulate.h"
 #include "runner/shards/study_shard.h"
@@ -32,7 +31,7 @@ struct ReplicationQuestion {
 };
 
 // What jnd analyze makes of one simulated study, of which nothing else is kept. Throws Stopped where interrupted.
-StudyResults simulated_results(const Simulation& simulation, DifferenceSource by);
+StudyResults simulated_results(const Simulation& simulation, DifferenceSource by, bool hierarchical = false);
 
 StudyShard replication_shard(const ReplicationQuestion& question, int number, int of);
 // question must outlive it. threads: studies at a time.

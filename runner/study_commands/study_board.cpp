@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "data/fields/number_text.h"
 #include "data/log/utc_time.h"
-#include "runner/terminal/number_text.h"
 #include "runner/terminal/terminal.h"
 #include "runner/terminal/text_table.h"
 

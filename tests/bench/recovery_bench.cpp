@@ -4,11 +4,15 @@
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
+#include <string>
 #include <thread>
+#include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "analysis/group/group.h"
+#include "data/task_results/task_results.h"
 #include "protocols/input/read_file.h"
 #include "protocols/reading/protocol_json.h"
 #include "runner/session/simulate.h"
@@ -41,13 +45,13 @@ void recover(const std::string& name, const double (&expected)[3], int participa
   simulation.seed = 1;
   simulation.progress = true;
   const auto began = std::chrono::steady_clock::now();
-  const StudyAnalysis analysis = analyze_counts(simulate_counts(simulation), protocol, SessionKind::simulated);
+  const TaskResults results = results_of_counts(simulate_counts(simulation), protocol, SessionKind::simulated);
   const double elapsed = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
   fmt::print("{} ({} participants, {} trials a cell, {:.0f} s)\n", name, participants, trials, elapsed);
   for (int condition = 0; condition < 3; ++condition) {
     std::vector<double> slopes;
-    for (const ThresholdResult& row : analysis.thresholds)
-      if (row.condition == condition) slopes.push_back(row.jnd.slope);
+    for (const TaskEstimateRow& row : results.estimates)
+      if (row.condition == condition) slopes.push_back(row.estimates.values.front().value.value());
     const MeanEstimate mean = mean_with_ci(slopes);
     const double se = mean.sd / std::sqrt(mean.n) / (mean.mean * mean.mean);
     fmt::print("  {:<3} 1/mean(m) {:7.2f} ± {:.2f} N/m   expected {:6.1f}   ratio {:.4f}\n",

@@ -146,7 +146,7 @@ void read_bodies(const fs::path& path) {
 void analyse(const fs::path& path, const Protocol& protocol, int participants) {
   const auto study = Study::open(path, Study::Access::read_only);
   const StudyResults results = results_of(*study, protocol, SessionKind::simulated);
-  if (attendance_of(results).participants != participants) std::abort();
+  if (results.attendance.participants != participants) std::abort();
 }
 
 }  // namespace

@@ -4,11 +4,11 @@
 
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "data/results/study_results.h"
 #include "protocols/reading/protocol_json.h"
-#include "tests/data/constant_results.h"
 
 namespace jnd {
 
@@ -51,24 +51,20 @@ inline std::vector<CellCounts> invented_counts(const Protocol& protocol, int par
   return cells;
 }
 
-// The results over those counts, with times and the protocol's paired rating invented.
+// The results over those counts, with times and the protocol's paired rating invented, and nothing to be warned of.
 inline StudyResults invented_results(const Protocol& protocol, const std::vector<CellCounts>& cells) {
-  StudyResults results;
-  constant(results).analysis = analyze_counts(cells, protocol, SessionKind::simulated);
-  StudyAnalysis& analysis = constant(results).analysis;
+  TaskResults task = results_of_counts(cells, protocol, SessionKind::simulated);
   InventedNumbers numbers(77);
   std::vector<std::string> participants;
-  for (ThresholdResult& row : analysis.thresholds) {
+  for (TaskEstimateRow& row : task.estimates) {
     row.mean_trial_s = 9 + 3 * numbers.next();
-    if (row.condition == 0) {
-      participants.push_back(row.participant);
-      analysis.attendance.heads.push_back(
-          {row.participant, "session-" + row.participant, std::string(64, 'a'), SessionKind::simulated, true});
-    }
+    if (row.condition == 0) participants.push_back(row.participant);
   }
-  results.comparisons.push_back(compare_thresholds(analysis.thresholds, protocol, Outcome::slope));
-  results.comparisons.back().registered = true;
-  results.comparisons.push_back(compare_times(analysis.thresholds, protocol));
+  StudyResults results = results_of(std::move(task), static_cast<int>(participants.size()), protocol);
+  for (const std::string& participant : participants)
+    results.attendance.heads.push_back(
+        {participant, "session-" + participant, std::string(64, 'a'), SessionKind::simulated, true});
+  results.comparisons.push_back(compare_times(results.task, protocol));
   for (std::size_t place = 0; place < protocol.questions.size(); ++place) {
     if (protocol.questions[place].kind != Question::Kind::rating || !protocol.questions[place].per_condition) continue;
     RatedQuestion rated;
@@ -78,7 +74,8 @@ inline StudyResults invented_results(const Protocol& protocol, const std::vector
       rated.ratings.push_back(1 + numbers.successes(8, 0.6));
     results.comparisons.push_back(compare_ratings(rated, participants, protocol));
   }
-  constant(results).sensitivity = study_sensitivity(analysis, protocol);
+  results.deviations.clear();
+  results.cautions.clear();
   return results;
 }
 

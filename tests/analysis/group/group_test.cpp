@@ -1,10 +1,9 @@
-// Group means and intervals against R 4.2.2, and that no participant is dropped silently.
+// Group means and intervals against R 4.2.2.
 #include "analysis/group/group.h"
 
 #include <cmath>
 #include <vector>
 
-#include "analysis/numerics/special_values.h"
 #include "tests/catch.h"
 
 namespace jnd {
@@ -59,65 +58,6 @@ TEST_CASE("too few values give what they can and no more", "[analysis]") {
   CHECK(std::isnan(one.sd));
   CHECK(std::isnan(one.ci_low));
   CHECK(std::isnan(one.ci_high));
-}
-
-JndEstimate estimate(JndStatus status, double slope) {
-  JndEstimate result;
-  result.status = status;
-  result.slope = slope;
-  result.jnd = status == JndStatus::ok ? 1 / slope : status == JndStatus::ceiling ? 0 : std::nan("");
-  result.weber = result.jnd / 900;
-  return result;
-}
-
-TEST_CASE("a group of JNDs counts everyone, each number with its own n", "[analysis]") {
-  const double inf = kInf;
-  const std::vector<JndEstimate> all = {estimate(JndStatus::ok, 1.0 / 200), estimate(JndStatus::ok, 1.0 / 400),
-                                        estimate(JndStatus::no_sensitivity, -1e-3), estimate(JndStatus::ceiling, inf),
-                                        estimate(JndStatus::no_information, std::nan(""))};
-  const JndGroup group = jnd_group(all);
-  CHECK(group.n == 5);
-  CHECK(group.mean_jnd.n == 2);
-  CHECK(group.mean_jnd.mean == Approx(300));
-  CHECK(group.mean_weber.mean == Approx(1.0 / 3));
-  CHECK(group.mean_log_jnd.mean == Approx(std::log(std::sqrt(200.0 * 400))));
-  CHECK(group.median_n == 4);  // 0, 200, 400, inf
-  CHECK(group.median_jnd == Approx(300));
-  CHECK(group.median_status == JndStatus::ok);
-  CHECK(group.slope_n == 3);
-  CHECK(group.inverse_mean_slope == Approx(3 / (1.0 / 200 + 1.0 / 400 - 1e-3)));
-  CHECK(group.no_sensitivity == 1);
-  CHECK(group.ceiling == 1);
-  CHECK(group.no_information == 1);
-}
-
-TEST_CASE("infinite medians and unusable mean slopes are said, not hidden", "[analysis]") {
-  const double inf = kInf;
-  const std::vector<JndEstimate> poor = {estimate(JndStatus::no_sensitivity, -1e-3),
-                                         estimate(JndStatus::no_sensitivity, -2e-3), estimate(JndStatus::ok, 1e-3)};
-  CHECK(jnd_group(poor).median_jnd == inf);
-  CHECK(std::isnan(jnd_group(poor).inverse_mean_slope));
-  const std::vector<JndEstimate> pair = {estimate(JndStatus::no_sensitivity, 0),
-                                         estimate(JndStatus::no_sensitivity, 0)};
-  CHECK(jnd_group(pair).median_jnd == inf);
-  CHECK(jnd_group(pair).median_status == JndStatus::no_sensitivity);
-  const JndGroup empty = jnd_group({});
-  CHECK(empty.median_status == JndStatus::no_information);
-  CHECK(empty.n == 0);
-  CHECK(std::isnan(empty.median_jnd));
-  CHECK(std::isnan(empty.mean_jnd.mean));
-}
-
-TEST_CASE("a median at the ceiling is a status and no number", "[analysis]") {
-  const double inf = kInf;
-  const std::vector<JndEstimate> all = {estimate(JndStatus::ceiling, inf), estimate(JndStatus::ceiling, inf)};
-  CHECK(jnd_group(all).median_status == JndStatus::ceiling);
-  CHECK(std::isnan(jnd_group(all).median_jnd));
-  CHECK(jnd_group(all).median_n == 2);
-  // Half of the way between nothing and a JND is the JND of no participant.
-  const std::vector<JndEstimate> half = {estimate(JndStatus::ceiling, inf), estimate(JndStatus::ok, 1.0 / 200)};
-  CHECK(jnd_group(half).median_status == JndStatus::ceiling);
-  CHECK(std::isnan(jnd_group(half).median_jnd));
 }
 
 }  // namespace

@@ -14,7 +14,6 @@
 #include "data/export/export_log.h"
 #include "data/fields/csv_writer.h"
 #include "tests/catch.h"
-#include "tests/data/constant_results.h"
 #include "tests/data/export/export_fixture.h"
 #include "tests/data/study_fixture.h"
 
@@ -94,12 +93,13 @@ TEST_CASE("an export holds every trial and result, and its dictionary every colu
   const auto listed = export_csv(*study, tutorial(), results, folder / "out", false);
   const auto files = files_in(folder / "out");
   CHECK(listed ==
-        std::vector<std::string>{"answers.csv",      "behaviour.csv",  "cells.csv",          "contrasts.csv",
-                                 "datapackage.json", "dictionary.csv", "group.csv",          "intervals.csv",
-                                 "items.csv",        "methods.md",     "pairs.csv",          "participants.csv",
-                                 "ratings.csv",      "recompute.R",    "recompute.py",       "schema/report.json",
-                                 "sensitivity.csv",  "sessions.csv",   "sub-P01/report.csv", "sub-P02/report.csv",
-                                 "tests.csv",        "thresholds.csv", "trials.csv"});
+        std::vector<std::string>{"answers.csv",   "behaviour.csv",      "cells.csv",          "conditions.csv",
+                                 "contrasts.csv", "cues.csv",           "datapackage.json",   "dictionary.csv",
+                                 "estimates.csv", "group.csv",          "intervals.csv",      "items.csv",
+                                 "methods.md",    "pairs.csv",          "participants.csv",   "ratings.csv",
+                                 "recompute.R",   "recompute.py",       "schema/report.json", "sensitivity.csv",
+                                 "sessions.csv",  "sub-P01/report.csv", "sub-P02/report.csv", "tests.csv",
+                                 "trials.csv",    "values.csv"});
   CHECK(files.size() == listed.size() + 1);  // and SHA256SUMS
 
   std::map<std::string, std::set<std::string>> described;
@@ -147,13 +147,13 @@ TEST_CASE("an export holds every trial and result, and its dictionary every colu
   CHECK(in(96, "peak_force_n") == "4.1");
 
   CHECK(read_csv(files.at("cells.csv")).size() == 1 + 4);
-  CHECK(read_csv(files.at("thresholds.csv")).size() == 1 + 4);
+  CHECK(read_csv(files.at("estimates.csv")).size() == 1 + 4);
   const auto people = read_csv(files.at("participants.csv"));
   REQUIRE(people.size() == 1 + 2);
   CHECK(cell(people, 2, "participant") == "P02");
   CHECK(cell(people, 2, "sessions_closed") == "1");
   CHECK(read_csv(files.at("sub-P02/report.csv")).size() == 1 + 2);
-  CHECK(read_csv(files.at("group.csv")).size() == 1 + 2);
+  CHECK(read_csv(files.at("group.csv")).size() == 1 + 2 * 3);  // slope, JND and Weber fraction
   const auto answers = read_csv(files.at("answers.csv"));
   REQUIRE(answers.size() == 1 + 4);
   CHECK(answers[0][2] == "session_number");
@@ -161,7 +161,7 @@ TEST_CASE("an export holds every trial and result, and its dictionary every colu
   CHECK(answers[1][10] == "'=1+1, \"both\"\nhands");
   CHECK(answers[2][9] == "0");
   CHECK(answers[2][10].empty());
-  CHECK(files.at("sessions.csv").find(constant(results).analysis.attendance.heads[0].hash) != std::string::npos);
+  CHECK(files.at("sessions.csv").find(results.attendance.heads[0].hash) != std::string::npos);
   CHECK(files.at("sessions.csv").find(std::to_string(kSeed)) != std::string::npos);
 }
 
@@ -327,9 +327,8 @@ TEST_CASE("columns carry the protocol's unit, and a finger with two devices the 
   CHECK(cell(intervals, 4, "interventions") == "force_cap:12 soft_start:3");
   CHECK(cell(intervals, 4, "deepest_penetration_rad") == "0");
   CHECK(cell(intervals, 1, "lateness_histogram") == "0 0 0 7 0 0 0 0 0 0 0 0 0");
-  CHECK_NOTHROW(first("sub-P01/report.csv", "jnd_n_per_rad"));
-  CHECK_NOTHROW(first("group.csv", "jnd_mean_n_per_rad"));
-  CHECK_NOTHROW(first("cells.csv", "delivered_difference_n_per_rad"));
+  CHECK(first("group.csv", "unit") == "per N/rad");
+  CHECK(files.at("dictionary.csv").find("N/rad") != std::string::npos);
 }
 
 TEST_CASE("exclusions are marked in the trials with their reason", "[data]") {

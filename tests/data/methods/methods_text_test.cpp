@@ -11,7 +11,7 @@
 
 #include "data/methods/markdown_text.h"
 #include "data/methods/references.h"
-#include "data/results/threshold_method.h"
+#include "data/task_results/threshold_method.h"
 #include "protocols/random_stream.h"
 #include "tests/catch.h"
 #include "tests/data/study_fixture.h"

@@ -3,7 +3,7 @@
 #include "data/log/telemetry.h"
 #include "data/raw_trials/answer_raster.h"
 #include "data/raw_trials/press_traces.h"
-#include "data/results/study_analysis.h"
+#include "data/results/attendance.h"
 #include "protocols/planning/plan.h"
 #include "tests/catch.h"
 #include "tests/data/study_fixture.h"

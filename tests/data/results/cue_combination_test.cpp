@@ -2,6 +2,7 @@
 #include "data/results/cue_combination.h"
 
 #include <cmath>
+#include <utility>
 
 #include "tests/catch.h"
 
@@ -18,13 +19,19 @@ Protocol with_cues(const std::vector<Cues>& cues) {
   return protocol;
 }
 
-ThresholdResult threshold(const std::string& participant, int condition, double jnd, JndStatus status = JndStatus::ok) {
-  ThresholdResult result;
+TaskEstimateRow row(const std::string& participant, int condition, std::optional<double> jnd) {
+  TaskEstimateRow result;
   result.participant = participant;
   result.condition = condition;
-  result.jnd.status = status;
-  result.jnd.jnd = jnd;
+  result.estimates.values = {{.value = jnd}};
   return result;
+}
+
+TaskResults results(std::vector<TaskEstimateRow> rows = {}) {
+  TaskResults all;
+  all.outcomes = {{.key = "jnd", .title = "JND"}};
+  all.estimates = std::move(rows);
+  return all;
 }
 
 constexpr Cues kS{.force = true}, kV{.vibration = true}, kSV{.force = true, .vibration = true};
@@ -41,14 +48,11 @@ TEST_CASE("JNDs of independent cues combine as a right angle's height") {
 }
 
 TEST_CASE("each participant's JND of both cues stands beside the combination of theirs alone") {
-  const std::vector<ThresholdResult> thresholds = {
-      threshold("P01", 0, 300), threshold("P01", 1, 400),
-      threshold("P01", 2, 240), threshold("P02", 0, 300),
-      threshold("P02", 1, 400), threshold("P02", 2, 480),
-      threshold("P03", 0, 300), threshold("P03", 1, 0, JndStatus::no_sensitivity),
-      threshold("P03", 2, 250), threshold("P04", 0, 300),
-      threshold("P04", 1, 400), threshold("P04", 2, 0, JndStatus::ceiling)};
-  const std::vector<CueCombination> found = cue_combinations(thresholds, with_cues({kS, kV, kSV}));
+  const TaskResults jnds =
+      results({row("P01", 0, 300), row("P01", 1, 400), row("P01", 2, 240), row("P02", 0, 300), row("P02", 1, 400),
+               row("P02", 2, 480), row("P03", 0, 300), row("P03", 1, std::nullopt), row("P03", 2, 250),
+               row("P04", 0, 300), row("P04", 1, 400), row("P04", 2, std::nullopt)});
+  const std::vector<CueCombination> found = cue_combinations(jnds, with_cues({kS, kV, kSV}));
   REQUIRE(found.size() == 1);
   CHECK(found[0].a == 0);
   CHECK(found[0].b == 1);
@@ -66,14 +70,14 @@ TEST_CASE("each participant's JND of both cues stands beside the combination of 
 }
 
 TEST_CASE("only conditions whose cues are those of two others together are combined") {
-  CHECK(cue_combinations({}, with_cues({kS, kV})).empty());
-  CHECK(cue_combinations({}, with_cues({kS, kSV, kSV})).empty());  // they share force
-  CHECK(cue_combinations({}, with_cues({Cues{}, kS, kS})).empty());
-  CHECK(cue_combinations({}, with_cues({kSV, kS, kV})).size() == 1);
-  CHECK(cue_combinations({}, with_cues({kS, kV, kSV, kSV})).size() == 2);
-  CHECK(
-      cue_combinations({}, with_cues({{.force = true}, {.kinaesthetic = true}, {.force = true, .kinaesthetic = true}}))
-          .size() == 1);
+  CHECK(cue_combinations(results(), with_cues({kS, kV})).empty());
+  CHECK(cue_combinations(results(), with_cues({kS, kSV, kSV})).empty());  // they share force
+  CHECK(cue_combinations(results(), with_cues({Cues{}, kS, kS})).empty());
+  CHECK(cue_combinations(results(), with_cues({kSV, kS, kV})).size() == 1);
+  CHECK(cue_combinations(results(), with_cues({kS, kV, kSV, kSV})).size() == 2);
+  CHECK(cue_combinations(results(),
+                         with_cues({{.force = true}, {.kinaesthetic = true}, {.force = true, .kinaesthetic = true}}))
+            .size() == 1);
 }
 
 }  // namespace

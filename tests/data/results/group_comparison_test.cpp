@@ -3,11 +3,11 @@
 
 #include "analysis/group/p_adjust.h"
 #include "analysis/group/post_hoc.h"
-#include "data/export/result_columns.h"
+#include "data/blocks/result_blocks.h"
 #include "data/results/study_results.h"
 #include "protocols/planning/allotment.h"
 #include "tests/catch.h"
-#include "tests/data/constant_results.h"
+#include "tests/data/pair_results.h"
 #include "tests/data/study_fixture.h"
 
 namespace jnd {
@@ -38,15 +38,15 @@ std::vector<CellCounts> grouped_counts(const Protocol& protocol, int each) {
 }
 
 StudyResults results_for(const Protocol& protocol, int each = 4) {
-  return results_of(analyze_counts(grouped_counts(protocol, each), protocol, SessionKind::simulated), protocol);
+  return results_of(grouped_counts(protocol, each), protocol);
 }
 
 double mean_slope(const StudyResults& results, const std::string& participant) {
   double sum = 0;
   int n = 0;
-  for (const ThresholdResult& row : constant(results).analysis.thresholds) {
+  for (const TaskEstimateRow& row : results.task.estimates) {
     if (row.participant != participant) continue;
-    sum += row.jnd.slope;
+    sum += value_of(row, kSlope);
     ++n;
   }
   return sum / n;
@@ -55,18 +55,18 @@ double mean_slope(const StudyResults& results, const std::string& participant) {
 TEST_CASE("nobody has a row of a condition that the group does not get", "[groups]") {
   const Protocol protocol = grouped({0, 1}, BetweenTest::welch);
   const StudyResults results = results_for(protocol);
-  const StudyAnalysis& analysis = constant(results).analysis;
-  CHECK(analysis.thresholds.size() == 4 * 3 + 4 * 2);
-  CHECK(analysis.cells.size() == 3 * analysis.thresholds.size());
-  for (const ThresholdResult& row : analysis.thresholds) CHECK(has_condition(protocol, row.group, row.condition));
-  CHECK(analysis.group[0].jnd.n == 8);
-  CHECK(analysis.group[2].jnd.n == 4);
+  const TaskResults& task = results.task;
+  CHECK(task.estimates.size() == 4 * 3 + 4 * 2);
+  CHECK(task.cells.size() == 3 * task.estimates.size());
+  for (const TaskEstimateRow& row : task.estimates) CHECK(has_condition(protocol, row.group, row.condition));
+  CHECK(group_of(task, 0, kJnd).participants == 8);
+  CHECK(group_of(task, 2, kJnd).participants == 4);
   const OutcomeComparison& outcome = results.comparisons.front();
   CHECK_FALSE(outcome.crossed);
   CHECK(outcome.everyone.size() == 8);
   CHECK(outcome.table.n == 4);  // the young, who get them all
   CHECK(outcome.left_out.empty());
-  CHECK(constant(results).by_series.n == 4);
+  CHECK(results.by_series.n == 4);
 }
 
 TEST_CASE("welch and mann-whitney compare participants' means over their conditions", "[groups]") {
@@ -117,14 +117,14 @@ TEST_CASE("a contrast rests on those who get both conditions, corrected over the
     }
     p.push_back(paired_t(a, b).p);
   }
-  const std::vector<ContrastRow> rows = contrasts_of(results, protocol);
+  const std::vector<ContrastRow>& rows = results.contrasts;
   REQUIRE(rows.size() == 4);  // each on the slope, and the JND beside it
   CHECK(rows[0].participants == 8);
   CHECK(rows[0].difference.n == 8);
   CHECK(rows[2].participants == 4);
   CHECK(rows[2].difference.n == 4);
-  CHECK(rows[0].p == Approx(holm(p)[0]).epsilon(1e-12));
-  CHECK(rows[2].p == Approx(holm(p)[1]).epsilon(1e-12));
+  CHECK(rows[0].p_registered == Approx(holm(p)[0]).epsilon(1e-12));
+  CHECK(rows[2].p_registered == Approx(holm(p)[1]).epsilon(1e-12));
   protocol.analysis.tests.post_hoc = PostHoc::tukey;
   CHECK(contrasts_within(outcome, protocol)[0].refused.find("Tukey") == 0);
   CHECK(std::isnan(contrasts_within(outcome, protocol)[0].p));
@@ -137,7 +137,7 @@ TEST_CASE("what cannot be compared says why", "[groups]") {
     std::vector<CellCounts> cells = grouped_counts(protocol, 4);
     for (CellCounts& cell : cells)
       if (cell.participant == "P02" && cell.condition == 0) cell.counts = {20, 2, 20, 10};
-    const StudyResults results = results_of(analyze_counts(cells, protocol, SessionKind::simulated), protocol);
+    const StudyResults results = results_of(cells, protocol);
     const GroupsCompared& groups = results.groups.value();
     CHECK_FALSE(groups.tested());
     CHECK(groups.refused.find("P02 (S: no_sensitivity)") != std::string::npos);
@@ -149,7 +149,7 @@ TEST_CASE("what cannot be compared says why", "[groups]") {
     const Protocol protocol = grouped({0, 1}, BetweenTest::welch);
     std::vector<CellCounts> cells = grouped_counts(protocol, 4);
     std::erase_if(cells, [](const CellCounts& cell) { return cell.group == 1; });
-    const StudyResults results = results_of(analyze_counts(cells, protocol, SessionKind::simulated), protocol);
+    const StudyResults results = results_of(cells, protocol);
     CHECK(results.groups->refused == "fewer than two groups have a participant");
     CHECK(std::isnan(results.groups->means.back().mean.mean));
   }
@@ -165,25 +165,28 @@ TEST_CASE("what cannot be compared says why", "[groups]") {
     const StudyResults results = results_for(protocol);
     CHECK(results.comparisons.front().refused.find("groups of participants get different conditions") == 0);
     CHECK(results.groups->tested());
-    CHECK(std::isfinite(contrasts_of(results, protocol)[0].p));  // of the old
+    CHECK(std::isfinite(results.contrasts[0].p_registered));  // of the old
   }
 }
 
 TEST_CASE("files have the group and its test where there are groups, and nothing of them elsewhere", "[groups]") {
   const auto names = [](const StudyResults& results, const Protocol& protocol) {
     std::vector<std::string> found;
-    for (const ResultFile& file : result_files(results, protocol, nullptr)) found.push_back(file.name);
+    for (const Block& block : result_blocks(results, protocol)) found.push_back(block.file());
     return found;
   };
   const Protocol protocol = grouped({0, 1}, BetweenTest::welch);
   const auto with = names(results_for(protocol), protocol);
   CHECK(std::count(with.begin(), with.end(), "groups.csv") == 1);
-  CHECK(std::count(with.begin(), with.end(), "between.csv") == 1);
+  CHECK(std::count(with.begin(), with.end(), "group_pairs.csv") == 1);
+  const Protocol mixed = grouped({0, 1, 2}, BetweenTest::mixed_anova);
+  const auto effects = names(results_for(mixed), mixed);
+  CHECK(std::count(effects.begin(), effects.end(), "between.csv") == 1);
   Protocol none = protocol;
   none.groups.clear();
   std::vector<CellCounts> cells = grouped_counts(grouped({0, 1, 2}, BetweenTest::welch), 4);
   for (CellCounts& cell : cells) cell.group.reset();
-  const auto without = names(results_of(analyze_counts(cells, none, SessionKind::simulated), none), none);
+  const auto without = names(results_of(cells, none), none);
   CHECK(std::count(without.begin(), without.end(), "groups.csv") == 0);
 }
 

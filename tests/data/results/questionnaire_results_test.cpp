@@ -5,21 +5,15 @@
 #include <cmath>
 
 #include "analysis/numerics/special_values.h"
-#include "data/export/result_columns.h"
+#include "data/blocks/result_blocks.h"
 #include "data/log/exploration_body.h"
 #include "data/log/replay.h"
 #include "data/methods/methods_text.h"
 #include "tests/catch.h"
-#include "tests/data/study_fixture.h"
+#include "tests/data/exploration_fixture.h"
 
 namespace jnd {
 namespace {
-
-const Protocol& experiment2() {
-  static const Protocol protocol =
-      load_protocol(std::string(JND_SOURCE_DIR) + "/protocols/chinello2017-experiment2.json");
-  return protocol;
-}
 
 int place_of(const std::string& id) {
   const auto& questions = experiment2().questions;
@@ -30,7 +24,7 @@ int place_of(const std::string& id) {
 
 // Participants x (C, N).
 RatedQuestion paired(const std::string& id, const std::vector<double>& ratings) {
-  return {place_of(id), true, ratings};
+  return {.question = place_of(id), .paired = true, .ratings = ratings};
 }
 
 const RatedQuestion kUntied = paired("QB1", {2, 1, 4, 2, 6, 3, 8, 4, 8, 3, 9, 3});  // C - N: 1, 2, 3, 4, 5, 6
@@ -84,7 +78,7 @@ TEST_CASE("scores are over those who answered, pairs over those who answered bot
 
 TEST_CASE("an item rated once has scores and no test", "[data]") {
   const QuestionnaireResults results =
-      questionnaire_of({{place_of("QA1"), false, {8, 9, 7, kNaN, 9, 8}}}, 6, experiment2());
+      questionnaire_of({{.question = place_of("QA1"), .ratings = {8, 9, 7, kNaN, 9, 8}}}, 6, experiment2());
   CHECK(results.tests.items.empty());
   REQUIRE(results.items.size() == 1);
   CHECK(results.items.front().scores.front().condition == -1);
@@ -92,40 +86,12 @@ TEST_CASE("an item rated once has scores and no test", "[data]") {
   CHECK(results.items.front().scores.front().median.median == 8);
 }
 
-// A session in which every item has the rating `c` in C and `n` in N.
-void run_session(Study& study, int number, int c, int n, const std::string& preference, double duration_s = 150) {
-  const Protocol& protocol = experiment2();
-  const NewSession session = new_session(number);
-  const std::unique_ptr<SessionLog> log = study.open_session(session);
-  std::int64_t now = 100;
-  const auto stamp = [&now] { return Stamp{1'700'000'001'000'000'000 + ++now, now}; };
-  int done = 0;
-  for (const ExplorationSlot& slot : make_plan(protocol, number, kSeed).explorations) {
-    ExplorationRecord record = exploration_of(protocol, slot, 1);
-    record.duration_s = duration_s;
-    record.ended_early = duration_s < slot.duration_s;
-    log->append(event_kind::kExploration, to_body(record, protocol.stimulus.unit), stamp());
-    if (++done % 2 != 0) continue;
-    const std::string& condition = protocol.conditions[static_cast<std::size_t>(slot.condition)].name;
-    for (const Question& question : protocol.questions)
-      if (question.when == Question::When::after_condition)
-        log->append(event_kind::kQuestionAnswered,
-                    question_body(question, condition, std::to_string(condition == "C" ? c : n), done), stamp());
-  }
-  for (const Question& question : protocol.questions) {
-    if (question.when != Question::When::after_session) continue;
-    const std::string answer = question.kind == Question::Kind::choice ? preference : "7";
-    log->append(event_kind::kQuestionAnswered, question_body(question, "", answer, 0), stamp());
-  }
-  study.close_session(session.id, {1'700'000'900'000'000'000, 900});
-}
-
 TEST_CASE("a study of free interaction is read out of its log", "[data]") {
   const TemporaryFolder folder;
   const auto study = new_study(folder / "e2.sqlite", experiment2());
-  run_session(*study, 1, 8, 3, "wearing the devices");
-  run_session(*study, 2, 7, 4, "wearing the devices");
-  run_session(*study, 3, 6, 5, "bare hands", 60);
+  run_exploration(*study, 1, 8, 3, "wearing the devices");
+  run_exploration(*study, 2, 7, 4, "wearing the devices");
+  run_exploration(*study, 3, 6, 5, "bare hands", 60);
   const StudyResults results = results_of(*study, experiment2(), SessionKind::simulated);
   const QuestionnaireResults& all = results.questionnaire;
   CHECK(all.participants == 3);
@@ -138,7 +104,7 @@ TEST_CASE("a study of free interaction is read out of its log", "[data]") {
     CHECK(item.pairs.front().p_holm == 1);
     CHECK(item.pairs.front().p_bh == Approx(2.0 / 8));
   }
-  const auto& exploration = std::get<ExplorationResults>(results.measured);
+  const ExplorationResults& exploration = results.exploration;
   REQUIRE(exploration.choices.size() == 1);  // what is asked before the session is no result
   CHECK(exploration.choices.front().n == 3);
   CHECK(exploration.choices.front().options[0].k == 2);
@@ -161,13 +127,13 @@ TEST_CASE("a study of free interaction is read out of its log", "[data]") {
   CHECK(methods.find("17 items were answered for each condition") != std::string::npos);
   CHECK(methods.find("d'") == std::string::npos);
   std::map<std::string, std::string> files;
-  for (const ResultFile& file : result_files(results, experiment2(), nullptr))
-    files[file.name] = file.header + file.rows;
-  REQUIRE(files.size() == 4);  // ratings.csv has the tests, exposure.csv the times
-  CHECK(files["items.csv"].find("\nQB1,QB,It is easy to use.,C,3,7,1,4.5158") != std::string::npos);
-  CHECK(files["items.csv"].find(",7,6,8,0.75,1,9,") != std::string::npos);
-  CHECK(files["choices.csv"].find("preference,,wearing the devices,2,3,") != std::string::npos);
-  CHECK(files.contains("exposure.csv"));
+  for (const Block& block : result_blocks(results, experiment2())) files[block.id] = block.csv_rows();
+  REQUIRE(files.size() == 8);  // ratings has the tests of the items, exposure the times; four compare them as outcomes
+  CHECK(files.at("items").find("\nQB1,QB,It is easy to use.,C,,3,7,1,4.5158") != std::string::npos);
+  CHECK(files.at("items").find(",7,6,8,0.75,1,9,") != std::string::npos);
+  CHECK(files.at("choices").find(",wearing the devices,2,3,") != std::string::npos);
+  CHECK(files.contains("ratings"));
+  CHECK(files.contains("exposure"));
 }
 
 TEST_CASE("an exploration comes back from its event", "[data]") {

@@ -38,7 +38,7 @@ TaskResults patterned_task(const Protocol& protocol, const std::vector<std::vect
         TaskEstimateRow& row = results.estimates.emplace_back();
         row.participant = "P" + std::to_string(10 + person);
         row.condition = condition;
-        row.series = series;
+        row.standard = series;
         row.estimates.values.resize(results.outcomes.size());
         const auto& of_series = levels[static_cast<std::size_t>(series)];
         for (std::size_t i = 0; i < of_series.size(); ++i) {
@@ -123,15 +123,15 @@ TEST_CASE("of several standards every one has its JND, on the scale of its own",
   CHECK(model.several_standards);
   REQUIRE(model.conditions.size() == 4);
   for (const std::size_t c : {0, 2}) {
-    CHECK(model.conditions[c].series == 0);
-    CHECK(model.conditions[c + 1].series == 1);
+    CHECK(model.conditions[c].standard == 0);
+    CHECK(model.conditions[c + 1].standard == 1);
     CHECK(model.conditions[c + 1].jnd == Approx(10 * model.conditions[c].jnd).epsilon(1e-4));
     CHECK(model.conditions[c].weber == Approx(model.conditions[c].jnd / 100));
     CHECK(model.conditions[c + 1].pse == Approx(10 * model.conditions[c].pse).epsilon(1e-4));
   }
   REQUIRE(model.ratios.size() == 2);  // at each standard, not across
-  CHECK(model.ratios[0].series == 0);
-  CHECK(model.ratios[1].series == 1);
+  CHECK(model.ratios[0].standard == 0);
+  CHECK(model.ratios[1].standard == 1);
   CHECK(model.ratios[1].ratio == Approx(model.conditions[1].jnd / model.conditions[3].jnd));
   CHECK(model.equal_df == 0);
   CHECK(model.people.size() == 24);
@@ -194,21 +194,19 @@ TEST_CASE("the model of yes and no is of the distance from the noise, and its JN
 
 TEST_CASE("levels that answers set count like given ones; a threshold that is no JND stands for none", "[data]") {
   const Protocol protocol = load_protocol(std::string(JND_SOURCE_DIR) + "/protocols/adaptive-staircase.json");
-  AdaptiveResults results;
+  TaskResults results = empty_task_results(protocol);
   std::vector<HierarchicalCell> cells;
   for (int person = 0; person < 4; ++person)
     for (int condition = 0; condition < static_cast<int>(protocol.conditions.size()); ++condition) {
-      AdaptiveRow track, all;
-      track.participant = all.participant = "P" + std::to_string(10 + person);
-      track.condition = all.condition = condition;
-      track.track = 1;
-      all.threshold.status = AdaptiveStatus::ok;
-      all.threshold.threshold = 500;  // of the staircase: another point
+      TaskEstimateRow& all = results.estimates.emplace_back();
+      all.participant = "P" + std::to_string(10 + person);
+      all.condition = condition;
+      all.estimates.values.resize(results.outcomes.size());
+      all.estimates.values.front().value = 500;  // of the staircase: another point
       all.answers = {{0, 2, 10}, {100, 3 + person % 2, 5}, {217.5, 6, 4 - condition % 2}, {400, 9, 1}};
       for (const LevelCount& one : all.answers)
         cells.push_back(
             {person, condition, one.level, static_cast<double>(one.positive), static_cast<double>(one.negative)});
-      results.rows.insert(results.rows.end(), {track, all});
     }
   const StudyHierarchical model = study_hierarchical(results, protocol);
   REQUIRE(model.status == HierarchicalStatus::ok);
@@ -225,13 +223,13 @@ TEST_CASE("levels that answers set count like given ones; a threshold that is no
 }
 
 // Levels about each person's own threshold, no two alike, and answers as a yes-no observer gives them.
-AdaptiveResults tracked_results(const Protocol& protocol, int people, int trials) {
-  AdaptiveResults results;
+TaskResults tracked_results(const Protocol& protocol, int people, int trials) {
+  TaskResults results = empty_task_results(protocol);
   for (int person = 0; person < people; ++person) {
     RandomStream random(7, static_cast<std::uint64_t>(person) + 1, "tracks");
     const double of_person = 0.25 * random.normal();
     for (int condition = 0; condition < static_cast<int>(protocol.conditions.size()); ++condition) {
-      AdaptiveRow& row = results.rows.emplace_back();
+      TaskEstimateRow& row = results.estimates.emplace_back();
       row.participant = "P" + std::to_string(10 + person);
       row.condition = condition;
       const double s = 200 * std::exp(of_person + 0.15 * condition);
@@ -251,16 +249,16 @@ AdaptiveResults tracked_results(const Protocol& protocol, int people, int trials
 TEST_CASE("levels that answers set, hardly two alike, count in steps, and estimates stay where they are",
           "[data][long]") {
   const Protocol protocol = load_protocol(std::string(JND_SOURCE_DIR) + "/protocols/adaptive-quest.json");
-  const AdaptiveResults results = tracked_results(protocol, 4, 24);
+  const TaskResults results = tracked_results(protocol, 4, 24);
   const StudyHierarchical model = study_hierarchical(results, protocol);
   REQUIRE(model.status == HierarchicalStatus::ok);
   CHECK(model.gathered);
   CHECK(model.trials == 4 * 24 * static_cast<std::int64_t>(protocol.conditions.size()));
 
   std::vector<HierarchicalCell> cells;
-  for (std::size_t i = 0; i < results.rows.size(); ++i)
-    for (const LevelCount& one : results.rows[i].answers)
-      cells.push_back({static_cast<int>(i / protocol.conditions.size()), results.rows[i].condition, one.level,
+  for (std::size_t i = 0; i < results.estimates.size(); ++i)
+    for (const LevelCount& one : results.estimates[i].answers)
+      cells.push_back({static_cast<int>(i / protocol.conditions.size()), results.estimates[i].condition, one.level,
                        static_cast<double>(one.positive), static_cast<double>(one.negative)});
   HierarchicalAnalysis exact(cells, {.response = *model.response});
   for (const HierarchicalCondition& row : model.conditions) {

@@ -8,12 +8,12 @@
 #include <utility>
 
 #include "analysis/group/p_adjust.h"
-#include "data/export/result_columns.h"
+#include "data/blocks/result_blocks.h"
 #include "data/results/study_results.h"
 #include "data/study/study_admin.h"
 #include "protocols/reading/protocol_json.h"
 #include "tests/catch.h"
-#include "tests/data/constant_results.h"
+#include "tests/data/pair_results.h"
 #include "tests/data/study_fixture.h"
 
 namespace jnd {
@@ -35,13 +35,13 @@ std::vector<CellCounts> patterned_counts(int people) {
 }
 
 StudyHierarchical model_of(const std::vector<CellCounts>& cells, const Protocol& protocol = chinello()) {
-  return study_hierarchical(analyze_counts(cells, protocol, SessionKind::simulated), protocol);
+  return study_hierarchical(results_of_counts(cells, protocol, SessionKind::simulated), protocol);
 }
 
 TEST_CASE("the model of a study is that of its counts", "[data][long]") {
   const std::vector<CellCounts> counts = patterned_counts(6);
-  const StudyAnalysis analysis = analyze_counts(counts, chinello(), SessionKind::simulated);
-  const StudyHierarchical model = study_hierarchical(analysis, chinello());
+  const TaskResults task = results_of_counts(counts, chinello(), SessionKind::simulated);
+  const StudyHierarchical model = study_hierarchical(task, chinello());
   REQUIRE(model.status == HierarchicalStatus::ok);
   CHECK(model.reason.empty());
   CHECK(model.response == ResponseModel::yes_no);
@@ -77,11 +77,11 @@ TEST_CASE("the model of a study is that of its counts", "[data][long]") {
   REQUIRE(model.people.size() == 18);
   for (std::size_t i = 0; i < people.size(); ++i) {
     const HierarchicalPerson& one = model.people[i];
-    CHECK(one.participant == analysis.thresholds[i].participant);
+    CHECK(one.participant == task.estimates[i].participant);
     CHECK(one.status == ShrunkenStatus::ok);
     CHECK(one.jnd == Approx(std::exp(people[i].mean)).epsilon(1e-6));
     CHECK(one.criterion == Approx(people[i].criterion).epsilon(1e-9));
-    CHECK(one.separate == analysis.thresholds[i].jnd.jnd);
+    CHECK(one.separate == value_of(task.estimates[i], kJnd));
     CHECK(one.alone == Approx(std::exp(people[i].alone)).epsilon(1e-9));
   }
   const std::vector<ConditionDifference> differences = fitted.differences();
@@ -195,8 +195,8 @@ TEST_CASE("who and what has no trials is missing, and moves nobody else", "[data
 TEST_CASE("where there is no model the reason is said, and nothing is estimated", "[data]") {
   Protocol independent = load_protocol(std::string(JND_SOURCE_DIR) + "/protocols/adaptive-staircase.json");
   independent.analysis.model = "independent-observation";  // of a procedure
-  AdaptiveResults thresholds;
-  thresholds.rows.emplace_back().participant = "P01";
+  TaskResults thresholds = empty_task_results(independent);
+  thresholds.estimates.emplace_back().participant = "P01";
   const StudyHierarchical not_offered = study_hierarchical(thresholds, independent);
   CHECK(not_offered.status == HierarchicalStatus::not_offered);
   CHECK_FALSE(not_offered.response);
@@ -258,23 +258,24 @@ TEST_CASE("somebody who judges each interval by itself takes equal stimuli by th
     CHECK(model.conditions[c].jnd == Approx(std::exp(fit.conditions[c].mu)).epsilon(1e-9));
 }
 
-// The cells of counts, as if a share of the answers of each had come in the second half.
-StudyAnalysis with_halves(const std::vector<CellCounts>& counts, const Protocol& protocol) {
-  StudyAnalysis analysis = analyze_counts(counts, protocol, SessionKind::simulated);
-  for (CellResult& cell : analysis.cells) {
-    Counts late = cell.counts;
-    late.n_diff /= 2;
-    late.hits = std::max(late.hits / 3, late.hits - late.n_diff);  // as few of them as there can be, or a third
-    late.n_same /= 2;
-    late.false_alarms /= 2;
-    cell.halves[1].counts = late;
-    cell.halves[0].counts = cell.counts;
-    cell.halves[0].counts.n_diff -= late.n_diff;
-    cell.halves[0].counts.hits -= late.hits;
-    cell.halves[0].counts.n_same -= late.n_same;
-    cell.halves[0].counts.false_alarms -= late.false_alarms;
+// Of counts, as if a share of the answers to each level had come in the second half.
+TaskResults with_halves(const std::vector<CellCounts>& counts, const Protocol& protocol) {
+  TaskResults results = results_of_counts(counts, protocol, SessionKind::simulated);
+  for (TaskEstimateRow& row : results.estimates) {
+    std::vector<LevelCount> late = row.answers;
+    for (std::size_t i = 0; i < late.size(); ++i) {
+      LevelCount &first = row.answers[i], &second = late[i];
+      const int trials = (first.positive + first.negative) / 2;
+      second.second_half = true;
+      // Of differences as few as there can be, or a third.
+      second.positive = first.level > 0 ? std::max(first.positive / 3, first.positive - trials) : first.positive / 2;
+      second.negative = trials - second.positive;
+      first.positive -= second.positive;
+      first.negative -= second.negative;
+    }
+    row.answers.insert(row.answers.end(), late.begin(), late.end());
   }
-  return analysis;
+  return results;
 }
 
 const HierarchicalVariant& variant_of(const StudyHierarchical& model, VariantKind kind) {
@@ -286,8 +287,8 @@ const HierarchicalVariant& variant_of(const StudyHierarchical& model, VariantKin
 
 TEST_CASE("what the model leaves out stands beside it, and changes nothing of it", "[data][long]") {
   const StudyHierarchical alone = model_of(patterned_counts(6));
-  StudyAnalysis analysis = with_halves(patterned_counts(6), chinello());
-  const StudyHierarchical model = study_hierarchical(analysis, chinello());
+  TaskResults task = with_halves(patterned_counts(6), chinello());
+  const StudyHierarchical model = study_hierarchical(task, chinello());
   REQUIRE(model.variants.size() == 3);  // nobody was asked how sure they were
   for (std::size_t c = 0; c < 3; ++c) CHECK(model.conditions[c].jnd == Approx(alone.conditions[c].jnd).epsilon(1e-9));
   const HierarchicalVariant& drift = variant_of(model, VariantKind::drift);
@@ -313,11 +314,13 @@ TEST_CASE("what the model leaves out stands beside it, and changes nothing of it
     CHECK(with.conditions[2].jnd == Approx(without.conditions[2].jnd).epsilon(1e-5));
     CHECK(std::isnan(with.conditions[2].ci_high) == std::isnan(without.conditions[2].ci_high));
   }
-  for (CellResult& cell : analysis.cells)
-    for (HalfCounts& half : cell.halves)
-      half.sure = {half.counts.n_diff * 2 / 3, half.counts.hits / 2, half.counts.n_same / 2,
-                   half.counts.false_alarms / 3};
-  const StudyHierarchical graded = study_hierarchical(analysis, chinello());
+  for (TaskEstimateRow& row : task.estimates)
+    for (LevelCount& one : row.answers) {
+      const int trials = one.positive + one.negative;
+      one.sure_positive = one.positive / (one.level > 0 ? 2 : 3);
+      one.sure_negative = (one.level > 0 ? trials * 2 / 3 : trials / 2) - one.sure_positive;
+    }
+  const StudyHierarchical graded = study_hierarchical(task, chinello());
   REQUIRE(graded.variants.size() == 4);
   CHECK(graded.conditions[0].jnd == model.conditions[0].jnd);
   const HierarchicalVariant& sureness = variant_of(graded, VariantKind::sureness);
@@ -330,14 +333,14 @@ TEST_CASE("what the model leaves out stands beside it, and changes nothing of it
 }
 
 TEST_CASE("delivered differences are those of the cells, near enough", "[data][long]") {
-  StudyAnalysis analysis = analyze_counts(patterned_counts(6), chinello(), SessionKind::simulated);
-  const StudyHierarchical nominal = study_hierarchical(analysis, chinello());
-  for (std::size_t i = 0; i < analysis.cells.size(); ++i) {
-    CellResult& cell = analysis.cells[i];
-    cell.difference *= 0.8 + 1e-4 * static_cast<double>(i % 7);
-    cell.difference_source = DifferenceSource::delivered;
-  }
-  const StudyHierarchical delivered = study_hierarchical(analysis, chinello());
+  TaskResults task = results_of_counts(patterned_counts(6), chinello(), SessionKind::simulated);
+  const StudyHierarchical nominal = study_hierarchical(task, chinello());
+  for (CellResult& cell : task.cells) cell.difference_source = DifferenceSource::delivered;
+  std::size_t place = 0;
+  for (TaskEstimateRow& row : task.estimates)
+    for (LevelCount& one : row.answers)
+      if (one.level > 0) one.level *= 0.8 + 1e-4 * static_cast<double>(place++ % 7);
+  const StudyHierarchical delivered = study_hierarchical(task, chinello());
   REQUIRE(delivered.status == HierarchicalStatus::ok);
   CHECK_FALSE(delivered.check);
   for (std::size_t c = 0; c < 3; ++c)
@@ -351,13 +354,12 @@ TEST_CASE("what the registered rules leave out is not in the model either", "[da
   Protocol protocol = chinello();
   protocol.analysis.exclude.response_time_above_s = 1.2;  // those of the trials behind the 70th
   exclude_participant(*study, "P02", SessionKind::simulated, "asleep", false, {1'700'000'999'000'000'000, 999});
-  StudyResults results = results_of(*study, protocol, SessionKind::simulated);
-  CHECK_FALSE(results.hierarchical);  // nobody asked for it
-  add_hierarchical(results, protocol);
+  CHECK_FALSE(results_of(*study, protocol, SessionKind::simulated).hierarchical);  // nobody asked for it
+  const StudyResults results = results_of(*study, protocol, SessionKind::simulated, {.hierarchical = true});
   REQUIRE(results.hierarchical);
   const StudyHierarchical& model = *results.hierarchical;
   std::int64_t counted = 0, excluded = 0;
-  for (const CellResult& cell : constant(results).analysis.cells) {
+  for (const CellResult& cell : results.task.cells) {
     counted += cell.counts.n_diff + cell.counts.n_same;
     excluded += cell.excluded;
   }
@@ -371,15 +373,13 @@ TEST_CASE("registered contrasts of the model are its ratios, corrected by Holm, 
   Protocol protocol = chinello();
   protocol.analysis.hierarchical = true;
   protocol.analysis.contrasts = {{0, 1}, {2, 0}, {1, 2}};  // one of them turned
-  const StudyResults results =
-      results_of(analyze_counts(patterned_counts(7), protocol, SessionKind::simulated), protocol);
+  const StudyResults results = results_of(patterned_counts(7), protocol);
   REQUIRE(results.hierarchical);  // nobody has to ask
   const StudyHierarchical& model = *results.hierarchical;
   Protocol plain = chinello();
   plain.analysis.contrasts = protocol.analysis.contrasts;
-  const std::vector<ContrastRow> separate =
-      contrasts_of(results_of(analyze_counts(patterned_counts(7), plain, SessionKind::simulated), plain), plain);
-  const std::vector<ContrastRow> rows = contrasts_of(results, protocol);
+  const std::vector<ContrastRow> separate = results_of(patterned_counts(7), plain).contrasts;
+  const std::vector<ContrastRow>& rows = results.contrasts;
   REQUIRE(rows.size() == separate.size() + 3);
   REQUIRE(rows.size() == 9);
   const std::array<const HierarchicalRatio*, 3> ratios = {&model.ratios[0], &model.ratios[1], &model.ratios[2]};
@@ -390,7 +390,8 @@ TEST_CASE("registered contrasts of the model are its ratios, corrected by Holm, 
     CHECK(row.outcome == kHierarchicalScale);
     CHECK(row.participants == 7);
     CHECK(row.difference.n == 7);
-    CHECK(row.p == p[i]);
+    CHECK(row.p == ratios[i]->p);
+    CHECK(row.p_registered == p[i]);
     CHECK(std::isnan(row.difference.sd));
     const double turned = i == 1 ? -1 : 1;
     CHECK(row.difference.mean == Approx(turned * std::log(ratios[i]->ratio)));
@@ -398,7 +399,8 @@ TEST_CASE("registered contrasts of the model are its ratios, corrected by Holm, 
     CHECK(row.difference.ci_high > row.difference.mean);
     for (const std::size_t other : {3 * i + 1, 3 * i + 2}) {
       CHECK_FALSE(rows[other].registered);
-      CHECK(std::isnan(rows[other].p));
+      CHECK(std::isnan(rows[other].p_registered));
+      CHECK(rows[other].p == separate[other - i - 1].p);
       CHECK(rows[other].outcome == separate[other - i - 1].outcome);
       CHECK(rows[other].difference.mean == separate[other - i - 1].difference.mean);
     }
@@ -406,43 +408,43 @@ TEST_CASE("registered contrasts of the model are its ratios, corrected by Holm, 
 
   std::vector<CellCounts> nobody = patterned_counts(2);
   for (CellCounts& cell : nobody) cell.counts = {0, 0, 12, 3};
-  const StudyResults refused = results_of(analyze_counts(nobody, protocol, SessionKind::simulated), protocol);
-  for (const ContrastRow& row : contrasts_of(refused, protocol)) {
+  const StudyResults refused = results_of(nobody, protocol);
+  CHECK(refused.contrasts.size() == 9);
+  for (const ContrastRow& row : refused.contrasts) {
     CHECK(std::isnan(row.p));
+    CHECK(std::isnan(row.p_registered));
     CHECK(row.refused.empty() == !row.registered);
   }
 }
 
-std::size_t lines_of(const std::string& text) {
-  return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
-}
-
-TEST_CASE("files of the model are written where it was asked for, and say why there is none", "[data]") {
-  StudyResults results =
-      results_of(analyze_counts(patterned_counts(5), chinello(), SessionKind::simulated), chinello());
-  const auto files_of = [&](const Protocol& protocol) {
-    std::map<std::string, std::string> files;
-    for (const ResultFile& file : result_files(results, protocol, nullptr))
-      if (file.name.starts_with("hierarchical")) files[file.name] = file.header + file.rows;
-    return files;
+TEST_CASE("blocks of the model are there where it was asked for, and say why there is none", "[data]") {
+  const auto blocks_of = [](const StudyResults& results) {
+    std::vector<Block> blocks = result_blocks(results, chinello());
+    std::erase_if(blocks, [](const Block& block) { return !block.id.starts_with("hierarchical"); });
+    return blocks;
   };
-  CHECK(files_of(chinello()).empty());
-  add_hierarchical(results, chinello());
-  const auto files = files_of(chinello());
-  REQUIRE(files.size() == 5);
-  CHECK(lines_of(files.at("hierarchical.csv")) == 1 + 3);
-  CHECK(lines_of(files.at("hierarchical_ratios.csv")) == 1 + 3);
-  CHECK(lines_of(files.at("hierarchical_check.csv")) == 1 + 12);
-  CHECK(lines_of(files.at("hierarchical_people.csv")) == 1 + 15);
-  CHECK(lines_of(files.at("hierarchical_variants.csv")) == 1 + 4 * 3);
-  for (const auto& [name, text] : files) CHECK(text.find("nan") == std::string::npos);
+  CHECK(blocks_of(results_of(patterned_counts(5), chinello())).empty());
+  const StudyResults results = results_of(patterned_counts(5), chinello(), true);
+  std::map<std::string, std::size_t> rows;
+  for (const Block& block : blocks_of(results)) {
+    rows[block.id] = block.rows();
+    CHECK(block.csv_rows().find("nan") == std::string::npos);
+  }
+  // Of counts alone nobody knows when they were answered, so that nothing stands with a drift.
+  CHECK(rows == std::map<std::string, std::size_t>{{"hierarchical", 3},
+                                                   {"hierarchical_ratios", 3},
+                                                   {"hierarchical_check", 12},
+                                                   {"hierarchical_people", 15},
+                                                   {"hierarchical_variants", 4},
+                                                   {"hierarchical_variant_jnds", 6}});
 
-  results = results_of(analyze_counts(patterned_counts(201), chinello(), SessionKind::simulated), chinello());
-  add_hierarchical(results, chinello());
-  const auto refused = files_of(chinello());
+  const StudyResults many = results_of(patterned_counts(201), chinello(), true);
+  const std::vector<Block> refused = blocks_of(many);
   REQUIRE(refused.size() == 1);
-  CHECK(refused.at("hierarchical.csv").find("S,simulated,yes_no,201,201,,,,not_computed,,,too_many_people,,,,,,") !=
-        std::string::npos);
+  CHECK(refused.front().id == "hierarchical");
+  CHECK(refused.front().text(0, "status") == "too_many_people");
+  CHECK(refused.front().number(0, "participants") == 201);
+  CHECK(refused.front().text(0, "jnd").empty());
 }
 
 }  // namespace

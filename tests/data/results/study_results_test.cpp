@@ -3,11 +3,11 @@
 
 #include <cmath>
 
-#include "data/export/result_columns.h"
+#include "data/blocks/result_blocks.h"
 #include "data/methods/methods_text.h"
 #include "data/results/rating_answers.h"
 #include "tests/catch.h"
-#include "tests/data/constant_results.h"
+#include "tests/data/pair_results.h"
 #include "tests/data/study_fixture.h"
 
 namespace jnd {
@@ -49,7 +49,7 @@ TEST_CASE("pairs are found among those of a comparison", "[data]") {
 }
 
 TEST_CASE("the registered tests run on the slope, and contrasts are Holm's over the registered ones", "[data]") {
-  const StudyResults results = results_of(analyze_counts(group_counts(), chinello(), SessionKind::real), chinello());
+  const StudyResults results = results_of(group_counts(), chinello());
   const OutcomeComparison& slope = results.comparisons.front();
   REQUIRE(slope.refused.empty());
   CHECK(slope.registered);
@@ -57,7 +57,7 @@ TEST_CASE("the registered tests run on the slope, and contrasts are Holm's over 
   CHECK(slope.table.n == 5);
   for (std::size_t row = 0; row < 5; ++row)
     for (std::size_t condition = 0; condition < 3; ++condition)
-      CHECK(slope.table.at(row, condition) == constant(results).analysis.thresholds[row * 3 + condition].jnd.slope);
+      CHECK(slope.table.at(row, condition) == value_of(results.task.estimates[row * 3 + condition], kSlope));
   const std::vector<double> p = contrast_p(slope.comparison, chinello().analysis);
   REQUIRE(p.size() == 3);
   // All three pairs are registered: the family is the comparison's own.
@@ -73,11 +73,11 @@ TEST_CASE("the registered tests run on the slope, and contrasts are Holm's over 
   CHECK(std::isnan(omnibus_p(slope.comparison, one.analysis)));
 }
 
-TEST_CASE("a row of the contrasts is on one scale: the registered one with its p, the JND without", "[data]") {
+TEST_CASE("a row of the contrasts is on one scale; the registered one has the registered p too", "[data]") {
   Protocol protocol = chinello();
   protocol.analysis.contrasts = {{2, 0}};
-  const StudyResults results = results_of(analyze_counts(group_counts(), protocol, SessionKind::real), protocol);
-  const std::vector<ContrastRow> rows = contrasts_of(results, protocol);
+  const StudyResults results = results_of(group_counts(), protocol);
+  const std::vector<ContrastRow>& rows = results.contrasts;
   REQUIRE(rows.size() == 2);
   const PairComparison& pair = results.comparisons.front().comparison.pairs[1];  // 0 - 2
   CHECK(rows[0].outcome == "slope");
@@ -86,19 +86,23 @@ TEST_CASE("a row of the contrasts is on one scale: the registered one with its p
   CHECK(rows[0].difference.n == 5);
   CHECK(rows[0].difference.mean == Approx(-pair.mean_difference));
   CHECK(rows[0].difference.ci_low == Approx(-pair.t.ci_high));
-  CHECK(rows[0].p == pair.t.p);
+  CHECK(rows[0].p == Approx(pair.t.p).epsilon(1e-12));
+  CHECK(rows[0].p_registered == pair.t.p);  // of one contrast there is nothing to correct
   CHECK(rows[1].outcome == "jnd");
   CHECK(rows[1].unit == "N/m");
-  CHECK(rows[1].difference.mean == constant(results).analysis.contrasts[0].difference.mean);
-  CHECK(std::isnan(rows[1].p));
+  CHECK(rows[1].difference.mean ==
+        Approx(group_of(results.task, 2, kJnd).mean.mean - group_of(results.task, 0, kJnd).mean.mean));
+  CHECK(rows[1].p < 0.05);
+  CHECK(std::isnan(rows[1].p_registered));
 
   protocol.analysis.tests.outcome = Outcome::jnd;
-  const StudyResults on_jnd = results_of(analyze_counts(group_counts(), protocol, SessionKind::real), protocol);
-  const std::vector<ContrastRow> one = contrasts_of(on_jnd, protocol);
+  const StudyResults on_jnd = results_of(group_counts(), protocol);
+  const std::vector<ContrastRow>& one = on_jnd.contrasts;
   REQUIRE(one.size() == 1);
   CHECK(one[0].registered);
   CHECK(one[0].difference.mean == rows[1].difference.mean);
-  CHECK(std::isfinite(one[0].p));
+  CHECK(one[0].p == rows[1].p);
+  CHECK(std::isfinite(one[0].p_registered));
 }
 
 TEST_CASE("who has no value in one condition is missing from its contrasts, and from no others", "[data]") {
@@ -109,19 +113,19 @@ TEST_CASE("who has no value in one condition is missing from its contrasts, and 
   const std::string who = cells.front().participant;
   for (CellCounts& cell : cells)
     if (cell.participant == who && cell.condition == 2) cell.counts = {20, 2, 20, 10};  // more false alarms than hits
-  const StudyResults results = results_of(analyze_counts(cells, protocol, SessionKind::real), protocol);
+  const StudyResults results = results_of(cells, protocol);
   const OutcomeComparison& outcome = results.comparisons.front();
   REQUIRE(outcome.left_out.size() == 1);
   CHECK_FALSE(outcome.refused.empty());  // the test over all conditions
-  const std::vector<ContrastRow> rows = contrasts_of(results, protocol);
+  const std::vector<ContrastRow>& rows = results.contrasts;
   REQUIRE(rows.size() == 2);
   CHECK(rows[0].refused.empty());
   CHECK(rows[0].difference.n == 5);
-  CHECK(std::isfinite(rows[0].p));
+  CHECK(std::isfinite(rows[0].p_registered));
   CHECK_FALSE(rows[1].refused.empty());
   CHECK(rows[1].participants == 5);
   CHECK(rows[1].difference.n == 4);
-  CHECK(std::isnan(rows[1].p));
+  CHECK(std::isnan(rows[1].p_registered));
 }
 
 TEST_CASE("a method that has a value for nobody has a status as its median", "[data]") {
@@ -129,14 +133,17 @@ TEST_CASE("a method that has a value for nobody has a status as its median", "[d
   for (const char* name : {"P01", "P02", "P03"})
     for (const CellCounts& cell : participant_counts(name, {{{20, 20, 20}, {20, 20, 20}, {20, 20, 20}}}, 0))
       cells.push_back(cell);
-  const StudyResults results = results_of(analyze_counts(cells, chinello(), SessionKind::real), chinello());
+  const StudyResults results = results_of(cells, chinello());
   bool found = false;
-  for (const SensitivityRow& row : constant(results).sensitivity) {
+  for (const SensitivityRow& row : results.sensitivity) {
     if (row.method.method != JndMethod::least_squares || row.method.correction != Correction::none) continue;
     found = true;
     CHECK(row.n == 0);
-    CHECK(row.median_status == std::vector<JndStatus>(3, JndStatus::ceiling));
-    for (const double median : row.median_jnd) CHECK(std::isnan(median));
+    REQUIRE(row.group.size() == 3);
+    for (const TaskGroupRow& one : row.group) {
+      CHECK(one.middle == Beyond::below);
+      CHECK(std::isnan(one.median));
+    }
   }
   CHECK(found);
 }
@@ -147,14 +154,14 @@ TEST_CASE("tests on the JND are refused where somebody has none, by name; the sl
     if (cell.participant == "P02" && cell.condition == 1) cell.counts = {20, 3, 20, 9};
   Protocol protocol = chinello();
   protocol.analysis.tests.outcome = Outcome::jnd;
-  const StudyResults refused = results_of(analyze_counts(cells, protocol, SessionKind::simulated), protocol);
+  const StudyResults refused = results_of(cells, protocol);
   const OutcomeComparison& jnd = refused.comparisons.front();
   CHECK(jnd.refused.find("P02 (V: no_sensitivity)") != std::string::npos);
   REQUIRE(refused.deviations.size() == 1);
   CHECK(refused.deviations[0].find("refused") != std::string::npos);
-  for (const SensitivityRow& row : constant(refused).sensitivity) CHECK_FALSE(row.same_conclusion);
+  for (const SensitivityRow& row : refused.sensitivity) CHECK_FALSE(row.same_conclusion);
 
-  const StudyResults kept = results_of(analyze_counts(cells, chinello(), SessionKind::simulated), chinello());
+  const StudyResults kept = results_of(cells, chinello());
   CHECK(kept.comparisons.front().table.n == 5);
   CHECK(kept.comparisons.front().refused.empty());
   CHECK(kept.deviations.empty());
@@ -164,13 +171,13 @@ TEST_CASE("tests on the JND are refused where somebody has none, by name; the sl
 }
 
 TEST_CASE("a sensitivity row is the registered analysis under another method", "[data]") {
-  const StudyResults results = results_of(analyze_counts(group_counts(), chinello(), SessionKind::real), chinello());
-  REQUIRE(constant(results).sensitivity.size() == 11);
-  const SensitivityRow& registered = constant(results).sensitivity.front();
+  const StudyResults results = results_of(group_counts(), chinello());
+  REQUIRE(results.sensitivity.size() == 11);
+  const SensitivityRow& registered = results.sensitivity.front();
   CHECK(registered.registered);
   CHECK(registered.same_conclusion);
   CHECK(registered.omnibus_p == omnibus_p(results.comparisons.front().comparison, chinello().analysis));
-  for (const SensitivityRow& row : constant(results).sensitivity) {
+  for (const SensitivityRow& row : results.sensitivity) {
     Protocol other = chinello();
     other.analysis.model = row.method.model;
     other.analysis.correction = std::string(to_string(row.method.correction));
@@ -179,28 +186,29 @@ TEST_CASE("a sensitivity row is the registered analysis under another method", "
                                 : method == "least_squares_independent" ? "least_squares"
                                                                         : method;
     other.analysis.common_criterion = method.ends_with("_common");
-    const StudyAnalysis again = analyze_counts(group_counts(), other, SessionKind::real);
+    const TaskResults again = results_of_counts(group_counts(), other, SessionKind::real);
     CAPTURE(describe(row.method));
     for (std::size_t condition = 0; condition < 3; ++condition) {
-      CHECK(row.median_jnd[condition] == again.group[condition].jnd.median_jnd);
-      CHECK(row.n_ok[condition] == again.group[condition].jnd.mean_jnd.n);
+      const TaskGroupRow& expected = group_of(again, static_cast<int>(condition), kJnd);
+      CHECK(row.group[condition].median == expected.median);
+      CHECK(row.group[condition].mean.n == expected.mean.n);
     }
     // Every participant is best with SV, whatever the model.
-    CHECK(row.median_jnd[2] < row.median_jnd[0]);
-    CHECK(row.median_jnd[2] < row.median_jnd[1]);
+    CHECK(row.group[2].median < row.group[0].median);
+    CHECK(row.group[2].median < row.group[1].median);
   }
 }
 
 TEST_CASE("condition by series leaves out who has no finite d' in a cell", "[data]") {
   std::vector<CellCounts> cells = group_counts();
   cells[0].counts = {0, 0, 20, 3};
-  const StudyResults results = results_of(analyze_counts(cells, chinello(), SessionKind::real), chinello());
-  CHECK(constant(results).by_series.n == 4);
-  REQUIRE(constant(results).by_series.left_out.size() == 1);
-  CHECK(constant(results).by_series.left_out[0].participant == "P01");
-  CHECK(constant(results).by_series.left_out[0].reason.find("missing") != std::string::npos);
-  CHECK(constant(results).by_series.test.b.effect.df1 == 2);
-  CHECK(constant(results).by_series.test.ab.effect.df1 == 4);
+  const StudyResults results = results_of(cells, chinello());
+  CHECK(results.by_series.n == 4);
+  REQUIRE(results.by_series.left_out.size() == 1);
+  CHECK(results.by_series.left_out[0].participant == "P01");
+  CHECK(results.by_series.left_out[0].reason.find("missing") != std::string::npos);
+  CHECK(results.by_series.test.b.effect.df1 == 2);
+  CHECK(results.by_series.test.ab.effect.df1 == 4);
 }
 
 TEST_CASE("a study's results hold ratings, times and the manner of answering", "[data]") {
@@ -229,16 +237,15 @@ TEST_CASE("a study's results hold ratings, times and the manner of answering", "
   CHECK(results.comparisons[1].outcome == "trial_time");
   REQUIRE(results.questionnaire.tests.items.size() == 1);
   CHECK(results.questionnaire.tests.items[0].conditions[0].median == 2);
-  CHECK(constant(results).behaviour.participants.size() == 3);
-  CHECK(constant(results).behaviour.conditions.size() == tutorial().conditions.size());
+  CHECK(results.behaviour.participants.size() == 3);
+  CHECK(results.behaviour.conditions.size() == tutorial().conditions.size());
   int trials = 0;
-  for (const BehaviourRow& row : constant(results).behaviour.participants) trials += row.bias.said_different.n;
+  for (const BehaviourRow& row : results.behaviour.participants) trials += row.bias.said_different.n;
   CHECK(trials == 3 * 16);  // practice is not counted
 
   const std::string text = methods_text(*study, tutorial(), results);
-  for (const std::string& part :
-       {tutorial().sha256, std::to_string(kSeed), constant(results).analysis.attendance.heads[2].hash,
-        std::string("least-squares line"), std::string("simulated data")})
+  for (const std::string& part : {tutorial().sha256, std::to_string(kSeed), results.attendance.heads[2].hash,
+                                  std::string("least-squares line"), std::string("simulated data")})
     CHECK(text.find(part) != std::string::npos);
   CHECK(text.back() == '\n');
   CHECK(text == methods_text(*study, tutorial(), results_of(*study, tutorial(), SessionKind::simulated)));
@@ -282,10 +289,10 @@ TEST_CASE("answers to questions of kind number have a mean, an interval and the 
   CHECK(results.questionnaire.tests.items[0].pairs[0].test.n == 3);
   CHECK(results.comparisons.back().outcome == "guess");
   CHECK(results.comparisons.back().refused.empty());
-  bool listed = false;
-  for (const ResultFile& file : result_files(results, protocol, nullptr))
-    listed = listed || (file.name == "items.csv" && (file.header + file.rows).find("\nage,") != std::string::npos);
-  CHECK(listed);
+  const std::vector<Block> blocks = result_blocks(results, protocol);
+  const Block* const items = block_named(blocks, "items");
+  REQUIRE(items != nullptr);
+  CHECK(items->text(items->rows() - 1, "item") == "age");
 }
 
 TEST_CASE("departing from the registered axis and unfinished sessions are deviations", "[data]") {
@@ -294,7 +301,8 @@ TEST_CASE("departing from the registered axis and unfinished sessions are deviat
   const NewSession session = new_session(1);
   const auto log = study->open_session(session);
   answer_all(*log, tutorial(), 1);
-  const StudyResults results = results_of(*study, tutorial(), SessionKind::simulated, DifferenceSource::delivered);
+  const StudyResults results =
+      results_of(*study, tutorial(), SessionKind::simulated, {.by = DifferenceSource::delivered});
   REQUIRE(results.deviations.size() >= 2);
   CHECK(results.deviations[0].find("over delivered ones") != std::string::npos);
   CHECK(results.deviations[1].find("not finished") != std::string::npos);

@@ -1,10 +1,10 @@
 // Answers that are taken back: they stay in the log and count nowhere.
 #include "data/log/replay.h"
-#include "data/results/study_analysis.h"
 #include "data/study/study_impl.h"
 #include "data/verify/verify.h"
 #include "protocols/tasks/same_different_task.h"
 #include "tests/catch.h"
+#include "tests/data/pair_results.h"
 #include "tests/data/study_fixture.h"
 
 namespace jnd {
@@ -141,8 +141,7 @@ TEST_CASE("results are those of the answers that hold", "[data]") {
     study->close_session("P01-simulated", {9, 9});
   }
   CHECK(verify(*study).problems == std::vector<Problem>{});
-  const StudyAnalysis with = analyze(*study, tutorial(), SessionKind::simulated),
-                      without = analyze(*plain, tutorial(), SessionKind::simulated);
+  const TaskResults with = estimates_in(*study, tutorial()), without = estimates_in(*plain, tutorial());
   REQUIRE(with.cells.size() == without.cells.size());
   for (std::size_t i = 0; i < with.cells.size(); ++i) {
     CHECK(with.cells[i].counts == without.cells[i].counts);

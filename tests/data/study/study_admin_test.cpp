@@ -7,7 +7,6 @@
 #include "data/verify/verify.h"
 #include "protocols/tasks/same_different_task.h"
 #include "tests/catch.h"
-#include "tests/data/constant_results.h"
 #include "tests/data/study_fixture.h"
 
 namespace jnd {
@@ -122,10 +121,10 @@ TEST_CASE("a participant has several sessions, each with its number, plan and lo
   twice.number = 0;
   CHECK_THROWS_AS(study->open_session(twice), StorageError);
 
-  const StudyAnalysis analysis = analyze(*study, tutorial(), SessionKind::simulated);
-  CHECK(analysis.attendance.participants == 2);
+  const StudyResults results = results_of(*study, tutorial(), SessionKind::simulated);
+  CHECK(results.attendance.participants == 2);
   int first = 0, second = 0;
-  for (const CellResult& cell : analysis.cells)
+  for (const CellResult& cell : results.task.cells)
     (cell.participant == "P01" ? first : second) += cell.counts.n_diff + cell.counts.n_same;
   CHECK(first == 32);
   CHECK(second == 16);
@@ -155,11 +154,11 @@ TEST_CASE("results leave excluded participants out, and name them", "[data]") {
   add_note(*study, "=1+1", kNow);
   const StudyResults results = results_of(*study, tutorial(), SessionKind::simulated),
                      expected = results_of(*fewer, tutorial(), SessionKind::simulated);
-  CHECK(constant(results).analysis.attendance.participants == 2);
-  REQUIRE(constant(results).analysis.cells.size() == constant(expected).analysis.cells.size());
-  for (std::size_t i = 0; i < constant(expected).analysis.cells.size(); ++i)
-    CHECK(constant(results).analysis.cells[i].counts == constant(expected).analysis.cells[i].counts);
-  REQUIRE(constant(results).analysis.attendance.excluded.size() == 1);
+  CHECK(results.attendance.participants == 2);
+  REQUIRE(results.task.cells.size() == expected.task.cells.size());
+  for (std::size_t i = 0; i < expected.task.cells.size(); ++i)
+    CHECK(results.task.cells[i].counts == expected.task.cells[i].counts);
+  REQUIRE(results.attendance.excluded.size() == 1);
   std::string deviations;
   for (const std::string& one : results.deviations) deviations += one;
   CHECK_THAT(deviations, Catch::Contains("excluded: P03 (pressed one key)"));

@@ -114,7 +114,7 @@ TEST_CASE("every task's precision can be foretold, of procedures too") {
     question.participants = 20;
     const auto rows = task_precision(protocol, question);
     CHECK(rows.size() == protocol.series.size() * measured_outcomes(protocol).size());
-    const bool own = task_of(protocol.task.kind).has_own_results();
+    const bool own = task_of(protocol.task.kind).has_pairs();
     const TaskPrecisionRow& registered = row_of(rows, protocol, own ? "threshold" : protocol.analysis.outcome);
     CHECK(registered.trials > 0);
     CHECK(registered.undefined < 0.5);

@@ -29,10 +29,10 @@ class CalcBetween(program.Case):
         self.assertAlmostEqual(pair["welch"]["p"], 0.07939, delta=5e-6)
         self.assertEqual((pair["mann_whitney"]["w"], pair["mann_whitney"]["method"]), (25.5, "normal"))
         self.assertAlmostEqual(pair["mann_whitney"]["p"], 0.06933, delta=5e-6)
-        self.assertEqual((found["anova"]["group"]["df1"], found["anova"]["group"]["df2"]), (1, 18))
+        (group,) = found["anova"]
+        self.assertEqual((group["effect"], group["df1"], group["df2"]), ("group", 1, 18))
         # Of two groups of one size F is the square of t.
-        self.assertAlmostEqual(found["anova"]["group"]["f"], pair["welch"]["t"] ** 2, delta=1e-12)
-        self.assertNotIn("condition", found["anova"])
+        self.assertAlmostEqual(group["f"], pair["welch"]["t"] ** 2, delta=1e-12)
         self.assertEqual(self.json_of([line.replace(",d,", ",").replace(",condition", "") for line in lines]) | {"conditions": ["d"]}, found)
         self.assertIn('there is no column "condition"', self.calc(["participant,value", "P1,3"], code=3).stderr)
 
@@ -40,9 +40,9 @@ class CalcBetween(program.Case):
         found = self.json_of(MIXED)
         self.assertEqual((found["design"], found["conditions"], found["cautions"]),
                          ("mixed", ["x", "y"], ["unequal_groups"]))
-        anova = found["anova"]
+        anova = {row["effect"]: row for row in found["anova"]}
         for name, ss, error, f in (("group", 15, 5.5, 90 / 11), ("condition", 4.225, 2.5, 5.07),
-                                   ("interaction", 2.4, 2.5, 2.88)):  # by hand
+                                   ("group x condition", 2.4, 2.5, 2.88)):  # by hand
             self.assertAlmostEqual(anova[name]["ss"], ss, delta=1e-12)
             self.assertAlmostEqual(anova[name]["ss_error"], error, delta=1e-12)
             self.assertAlmostEqual(anova[name]["f"], f, delta=1e-11)
@@ -58,10 +58,10 @@ class CalcBetween(program.Case):
 
     def test_what_is_undefined_is_null_with_a_status(self):
         found = self.json_of([HEAD, "P1,A,x,1", "P2,B,x,2"])
-        self.assertEqual((found["anova"]["group"]["f"], found["anova"]["group"]["status"]), (None, "too_few"))
+        self.assertEqual((found["anova"][0]["f"], found["anova"][0]["status"]), (None, "too_few"))
         self.assertEqual((found["pairs"][0]["welch"]["p"], found["pairs"][0]["welch"]["status"]), (None, "too_few"))
         found = self.json_of([HEAD, "P1,A,x,1", "P2,A,x,1", "P3,B,x,1", "P4,B,x,1"])
-        self.assertEqual(found["anova"]["group"]["status"], "no_variance")
+        self.assertEqual(found["anova"][0]["status"], "no_variance")
         self.assertEqual(found["pairs"][0]["mann_whitney"]["status"], "no_variance")
 
     def test_files_that_cannot_be_used(self):
@@ -75,9 +75,9 @@ class CalcBetween(program.Case):
 
     def test_people_get_tables(self):
         text = self.calc(MIXED).stdout
-        self.says(text, "5 participants in 2 groups, 2 conditions each", "group x condition", "Mann-Whitney W", "type I")
+        self.says(text, "5 participants", "group x condition", "Mann-Whitney W", "type I")
         self.assertNotIn("nan", text)
-        self.assertIn("nothing can be tested", self.calc([HEAD, "P1,A,x,1", "P2,B,x,2"]).stdout)
+        self.assertIn("too few participants in the groups", self.calc([HEAD, "P1,A,x,1", "P2,B,x,2"]).stdout)
 
 
 if __name__ == "__main__":

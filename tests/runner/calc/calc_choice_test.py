@@ -60,7 +60,7 @@ class Counts(program.Case):
 
     def test_table(self):
         done = run("mafc", "--alternatives", "3", text="id,n,correct\nP01,36,25\nP02,36,36\n")
-        self.says(done.stdout, "3 alternatives", "P01", "25/36", "1.217", "0.668 to 1.789", "inf", "ceiling: every answer was right")
+        self.says(done.stdout, "3 alternatives", "P01", "25/36", "1.22", "0.67 to 1.79", "inf", "ceiling: every answer was right")
 
     def test_refusals(self):
         for arguments, text, code, parts in (
@@ -116,7 +116,7 @@ class Rates(program.Case):
         self.assertEqual(rows[3]["raw"]["dprime_differencing"], 0)
 
     def test_tables(self):
-        self.says(run("abx", "--rates", text=RATES + "48,38,48,12\n").stdout, "ABX", "38/48", "12/48", "2.121", "1.877")
+        self.says(run("abx", "--rates", text=RATES + "48,38,48,12\n").stdout, "ABX", "38/48", "12/48", "2.12", "1.88")
         self.assertIn("reminder, then both stimuli", run("reminder", "--intervals", "2", text=RATES + "48,38,48,12\n").stdout)
 
 

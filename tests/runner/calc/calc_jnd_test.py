@@ -146,7 +146,7 @@ class CalcJnd(program.Case):
 
     def test_a_table_for_people(self):
         done = run("-", "--reference", "900")
-        self.says(done.stdout, "P1", "ml_differencing_series", "190.3", "96.31 to 312", "ceiling", "no_information", "JND / 900")
+        self.says(done.stdout, "P1", "ml_differencing_series", "190", "96 to 312", "ceiling", "no_information", "JND / 900")
         self.assertNotIn("\x1b", done.stdout)
         self.assertNotIn("nan", done.stdout)
         hostile = run("-", "--reference", "900", text=HEADER + '"\x1b[2J",S,300,6,5,6,1\n')

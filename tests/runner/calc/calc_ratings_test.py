@@ -123,11 +123,11 @@ class Ratings(program.Case):
 
     def test_tables(self):
         done = run("sureness", text=sureness_csv((0, 250), [[14, 6, 3, 1], [4, 5, 7, 8]]))
-        self.says(done.stdout, "201.72", "130.97 to 430.94", "0.230 0.934 1.685")
+        self.says(done.stdout, "202", "131 to 431", "0.230 0.934 1.685")
         done = run("ratings", text=ratings_csv([22, 15, 9, 4], [5, 8, 14, 23]))
-        self.says(done.stdout, "equal variances", "1.241 ± 0.232", "unequal variances", "1.239 ± 0.233", "0.790 ± 0.044")
+        self.says(done.stdout, "equal variances", "1.24 ± 0.232", "unequal variances", "1.24 ± 0.233", "0.790 ± 0.0442")
         done = run("identify", text=confusion_csv("ABC", [[20, 8, 2], [6, 17, 7], [1, 9, 20]]))
-        self.says(done.stdout, "0.361", "0.329", "63.3 %", "1.115 ± 0.312", "1.116")
+        self.says(done.stdout, "0.361", "0.329", "63.3 %", "1.12 ± 0.312", "1.22")
 
     def test_refusals(self):
         self.refused("ratings", "class,category,n\nnoise,1,2\nnose,1,2\n", 3, "input:3:1: class", "noise and signal")

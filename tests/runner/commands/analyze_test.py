@@ -25,23 +25,25 @@ class Analyze(program.Shared):
 
     def test_every_number_names_what_it_rests_on(self):
         result = self.analysis("chinello2017.sqlite")
-        self.assertEqual((result["model"], result["correction"], result["jnd_method"]), ("yes-no", "loglinear", "least_squares"))
-        registered = result["comparisons"][0]
+        for row in result["estimates"] + result["group"]:
+            self.assertEqual((row["model"], row["correction"], row["method"]), ("yes-no", "loglinear", "least_squares"))
+        registered = result["tests"][0]
         self.assertEqual((registered["outcome"], registered["registered"], registered["n"]), ("slope", True, 4))
         # The test is on the slopes that the participants' rows print.
         slopes = {c: [] for c in ("S", "V", "SV")}
-        for row in result["participants"]:
+        for row in result["estimates"]:
             slopes[row["condition"]].append(row["slope"])
-        for row in registered["comparison"]["descriptives"]:
+        for row in result["conditions"][:3]:
+            self.assertEqual(row["outcome"], "slope")
             self.assertAlmostEqual(row["mean"], sum(slopes[row["condition"]]) / 4, places=12)
         self.assertTrue(result["sensitivity"][0]["registered"])
-        self.assertEqual(sum(row["registered"] for row in result["sensitivity"]), 1)
-        self.assertEqual({row["condition"] for row in result["cue_strategy"]}, {"S", "V", "SV"})
+        self.assertEqual({row["number"] for row in result["sensitivity"] if row["registered"]}, {1})
+        self.assertEqual({row["condition"] for row in result["cues"]}, {"S", "V", "SV"})
         self.assertEqual(len(result["behaviour"]), 3 + 4)
 
     def test_p_values_of_behaviour_have_their_correction(self):
         rows = self.analysis("chinello2017.sqlite")["behaviour"]
-        for part in ([row for row in rows if row["participant"] is None], [row for row in rows if row["participant"]]):
+        for part in ([row for row in rows if row["participant"] == "all"], [row for row in rows if row["participant"] != "all"]):
             self.assertGreater(len(part), 2)
             for path in (("order_effect",), ("response_bias",), ("drift", "dprime")):
                 blocks = []
@@ -53,12 +55,12 @@ class Analyze(program.Shared):
                 largest = 0
                 for place, block in enumerate(sorted(blocks, key=lambda one: one["p"])):
                     largest = max(largest, min(1, (len(blocks) - place) * block["p"]))
-                    self.assertAlmostEqual(block["holm"]["p"], largest, places=12)
+                    self.assertAlmostEqual(block["p_holm"], largest, places=12)
 
     def test_tracks_without_a_threshold_are_a_caution(self):
         result = self.analysis("adaptive-staircase.sqlite")
-        whole = {(row["participant"], row["condition"]) for row in result["rows"] if row["track"] is None and row["status"] == "ok"}
-        tracks = [row for row in result["rows"] if row["track"] is not None]
+        whole = {(row["participant"], row["condition"]) for row in result["tracks"] if row["track"] is None and row["status"] == "ok"}
+        tracks = [row for row in result["tracks"] if row["track"] is not None]
         without = [row for row in tracks if row["status"] != "ok" and (row["participant"], row["condition"]) in whole]
         self.assertGreater(len(without), 0)  # of this seed
         said = [caution for caution in result["cautions"] if "tracks have no threshold" in caution]
@@ -74,7 +76,7 @@ class Analyze(program.Shared):
             file = self.write(f"across-{use}.json", json.dumps(protocol))
             self.jnd("simulate", file, "--participants", 4, "--study", f"{use}.sqlite", "--seed", 5)
             result = self.analysis(f"{use}.sqlite")
-            people = result["participants"]
+            people = result["estimates"]
             unfinished = sum(row["tracks_unfinished"] for row in people)
             said = [caution for caution in result["cautions"] if "did not end" in caution]
             self.assertEqual(len(said), 1)
@@ -93,29 +95,33 @@ class Analyze(program.Shared):
 
     def test_ranges_of_single_people_say_what_they_hold(self):
         self.says(self.jnd("analyze", "chinello2017.sqlite", "--participants").stdout.replace("\n  ", " "), "84 %", "88 %", "not of 95 %")
-        self.says(self.analysis("chinello2017.sqlite", "--tests")["hierarchical"]["people_note"], "84 %", "not of 95 %")
+        self.jnd("analyze", "chinello2017.sqlite", "--csv", "ranges")
+        meaning = next(row["meaning"] for row in self.rows("ranges", "dictionary.csv") if row["column"] == "ln_jnd_sd")
+        self.says(meaning, "84 to 88 %", "not of 95 %")
 
     def test_a_row_of_the_contrasts_is_on_one_scale(self):
         result = self.analysis("chinello2017.sqlite")
         rows = [row for row in result["contrasts"] if (row["a"], row["b"]) == ("S", "V")]
         self.assertEqual([(row["outcome"], row["unit"], row["registered"]) for row in rows],
                          [("slope", "per N/m", True), ("jnd", "N/m", False)])
-        slopes = {c: {r["participant"]: r["slope"] for r in result["participants"] if r["condition"] == c} for c in "SV"}
+        slopes = {c: {r["participant"]: r["slope"] for r in result["estimates"] if r["condition"] == c} for c in "SV"}
         mean = sum(slopes["S"][who] - slopes["V"][who] for who in slopes["S"]) / 4
-        self.assertAlmostEqual(rows[0]["difference"]["mean"], mean, places=12)
-        self.assertIsNotNone(rows[0]["p"])
-        self.assertIsNone(rows[1]["p"])
+        self.assertAlmostEqual(rows[0]["mean_difference"], mean, places=12)
+        for row in rows:  # p belongs to the interval; that of the registered test has its correction
+            self.assertEqual(row["p"] < 0.05, not row["ci_low"] < 0 < row["ci_high"])
+            self.assertEqual(row["p_registered"] is not None, row["registered"])
+        self.assertGreaterEqual(rows[0]["p_registered"], rows[0]["p"])
         self.jnd("export", "chinello2017.sqlite", "--to", "scales")
         table = self.rows("scales", "contrasts.csv")
-        self.assertEqual([(r["outcome"], r["p"] != "") for r in table], [("slope", True), ("jnd", False)] * 3)
-        self.assertAlmostEqual(float(table[0]["difference_mean"]), mean, places=12)
+        self.assertEqual([(r["outcome"], r["p_registered"] != "") for r in table], [("slope", True), ("jnd", False)] * 3)
+        self.assertAlmostEqual(float(table[0]["mean_difference"]), mean, places=12)
 
     def test_it_opens_with_the_answer_and_shows_the_rest_on_request(self):
         before = sorted(os.listdir(self.folder))
         text = self.jnd("analyze", "chinello2017.sqlite").stdout
         self.assertEqual(sorted(os.listdir(self.folder)), before)  # nothing is written unasked
         self.assertLessEqual(max(len(line) for line in text.splitlines()), 80)
-        self.says(text, "JND by condition", "Registered contrasts: d' per 100 N/m", "registered contrast", "caution: ",
+        self.says(text, "JND N/m by condition", "Registered contrasts: d' per 100 N/m", "registered contrast", "caution: ",
                   "More: --participants, --tests, --models")
         titles = {"--participants": "Participants", "--tests": "Pairs of conditions", "--models": "Every model",
                   "--behaviour": "How the answers were given", "--questions": "Answers to the questions", "--cells": "Cells"}
@@ -151,12 +157,11 @@ class Analyze(program.Shared):
             self.assertEqual(self.on_terminal(24, 80, *tests, JND_PAGER=pager), whole)
 
     def test_all_models_stand_beside_the_registered_one(self):
-        models = self.analysis("chinello2017.sqlite", "--models")["models"]
-        self.assertEqual(len(models["thresholds"]), 4 * 3 * 11)
-        self.assertEqual(len(models["cells"]), 4 * 9)
-        for cell in models["cells"]:
-            rates = cell["raw"]
-            self.assertAlmostEqual(rates["hit_rate"], cell["hits"] / cell["n_diff"], places=12)
+        result = self.analysis("chinello2017.sqlite", "--models")
+        self.assertEqual(len(result["models"]), 4 * 3 * 11)
+        self.assertEqual(len(result["cells"]), 4 * 9)
+        for cell in result["cells"]:
+            self.assertAlmostEqual(cell["raw"]["hit_rate"], cell["hits"] / cell["n_diff"], places=12)
         self.assertNotIn("models", self.analysis("chinello2017.sqlite"))
 
     def test_another_axis_is_a_deviation(self):
@@ -194,24 +199,23 @@ class Analyze(program.Shared):
 
     def test_thresholds_that_the_answers_set(self):
         result = self.analysis("adaptive-staircase.sqlite")
-        self.assertEqual([row["condition"] for row in result["group"]], ["S", "V", "SV"])
-        self.assertEqual(result["comparisons"][0]["outcome"], "threshold")
+        means = [row for row in result["group"] if row["outcome"] == "threshold"]
+        self.assertEqual([row["condition"] for row in means], ["S", "V", "SV"])
+        self.assertEqual(result["tests"][0]["outcome"], "threshold")
         self.jnd("export", "adaptive-staircase.sqlite", "--to", "adaptive")
         rows = self.rows("adaptive", "tracks.csv")
-        self.assertEqual(len(rows), sum(1 for _ in result["rows"]))
-        for name in ("thresholds.csv", "cells.csv"):  # there is no d' of a cell: nothing pretends to be one
-            self.assertFalse(os.path.exists(self.folder / "adaptive" / name))
+        self.assertEqual(len(rows), len(result["tracks"]))
+        self.assertFalse(os.path.exists(self.folder / "adaptive/cells.csv"))  # there is no d' of a cell: nothing pretends to be one
         group = self.rows("adaptive", "group.csv")
-        self.assertEqual([(row["condition"], int(row["participants"]), float(row["threshold_mean"])) for row in group],
-                         [(row["condition"], row["of"], row["threshold_mean"]) for row in result["group"]])
+        self.assertEqual([(row["condition"], int(row["participants"]), float(row["mean"])) for row in group if row["outcome"] == "threshold"],
+                         [(row["condition"], row["participants"], row["mean"]) for row in means])
 
     def test_jnds_of_the_posterior_of_all_answers(self):
         for name, kind in (("adaptive-posterior", "posterior"), ("adaptive-staircase-90", "staircase")):
             study = f"{name}.sqlite"
             self.jnd("verify", study, "--deep")
             result = self.analysis(study)
-            self.assertEqual(result["procedure"]["kind"], kind)
-            whole = [row for row in result["rows"] if row["track"] is None]
+            whole = [row for row in result["tracks"] if row["track"] is None]
             self.assertEqual(len(whole), 3 * 3)
             for row in whole:
                 self.assertEqual(row["n"], row["trials"] + row["catch_trials"])
@@ -220,11 +224,11 @@ class Analyze(program.Shared):
                     self.assertLess(row["threshold"], row["ci_high"])
             self.assertGreater(sum(row["status"] == "ok" for row in whole), 6)
             if kind == "posterior":
-                self.assertEqual({level % 25 for row in result["rows"] for level in row.get("levels", [])}, {0})
+                self.assertEqual({level % 25 for row in result["tracks"] for level in row["levels"]}, {0})
             self.jnd("export", study, "--to", name)
             rows = self.rows(name, "tracks.csv")
-            self.assertEqual(len(rows), len(result["rows"]))
-            self.assertIn("ci95_low", rows[0])
+            self.assertEqual(len(rows), len(result["tracks"]))
+            self.assertIn("ci_low", rows[0])
             self.assertIn("Kontsevich" if kind == "posterior" else "by the response model", self.read(name, "methods.md"))
             self.assertNotIn("moves with the criterion", self.jnd("analyze", study).stdout)
             plan = self.jnd("plan", name, "--json").json["trials"]

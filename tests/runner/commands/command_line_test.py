@@ -125,7 +125,7 @@ class CommandLine(program.Shared):
         self.assertEqual([s["participant"] for s in status["sessions"]], ["P01", "P02", "P03"])
         self.assertTrue(all(s["state"] == "closed" and s["kind"] == "simulated" and s["trials_done"] == 36 for s in status["sessions"]))
         analysis = self.jnd("analyze", study, "--json").json
-        self.assertEqual(len(analysis["participants"]), 9)
+        self.assertEqual(len(analysis["estimates"]), 9)
         self.jnd("export", study, "--to", "whole-csv")
         cells = [row for row in self.rows("whole-csv", "cells.csv") if row["participant"] == "P02"]
         self.assertEqual(len(cells), 9)
@@ -133,7 +133,7 @@ class CommandLine(program.Shared):
         with contextlib.closing(sqlite3.connect(study)) as connection:
             hits = connection.execute("SELECT count(*) FROM trials WHERE participant = 'P02' AND same = 0 AND answer = 'different'").fetchone()[0]
         self.assertEqual(sum(int(cell["hits"]) for cell in cells), hits)
-        self.assertEqual(sum(c["hits"] for p in analysis["participants"] if p["participant"] == "P02" for c in p["cells"]), hits)
+        self.assertEqual(sum(cell["hits"] for cell in analysis["cells"] if cell["participant"] == "P02"), hits)
         self.jnd("export", study, "--to", "whole-csv", code=5)
         self.jnd("export", study, "--to", "whole-csv", "--replace")
 
@@ -374,10 +374,10 @@ class CommandLine(program.Shared):
         study = self.study("kinds.sqlite", participants=2)
         self.jnd("run", self.small, "--study", study, "--participant", "Q1", "--fast", code=130, input="30\nmale\nleft\nyes\n s d d s q")
         analysis = self.jnd("analyze", study, "--kind", "simulated", "--json").json
-        self.assertEqual({p["participant"] for p in analysis["participants"]}, {"P01", "P02"})
+        self.assertEqual({p["participant"] for p in analysis["estimates"]}, {"P01", "P02"})
         self.assertIn("also has", self.jnd("analyze", study, "--kind", "simulated").stdout)
         pilot = self.jnd("analyze", study, "--kind", "pilot", "--json").json
-        self.assertEqual({p["participant"] for p in pilot["participants"]}, {"Q1"})
+        self.assertEqual({p["participant"] for p in pilot["estimates"]}, {"Q1"})
 
 
 if __name__ == "__main__":

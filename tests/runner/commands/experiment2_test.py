@@ -33,7 +33,7 @@ class Experiment2(program.Shared):
         cls.said = cls.jnd(*SIMULATE, "--study", "e2.sqlite").stdout
 
     def analysis(self, study="e2.sqlite"):
-        return self.jnd("analyze", study, "--json").json["questionnaire"]
+        return self.jnd("analyze", study, "--json").json
 
     def ratings(self):
         """Item -> condition -> participant -> rating, out of the exported answers."""
@@ -57,13 +57,12 @@ class Experiment2(program.Shared):
 
     def test_the_layout_is_the_papers(self):
         items = self.analysis()["items"]
-        paired = [item["item"] for item in items if "pairs" in item]
-        once = [item["item"] for item in items if "pairs" not in item]
-        self.assertEqual(paired, ITEMS)
+        self.assertEqual([row["item"] for row in items if row["condition"] == "C"], ITEMS)
+        once = [row["item"] for row in items if row["condition"] is None]
         self.assertEqual(once, ["age", "QA1", "QA2", "QA3", "QA4"])
-        age = items[0]["scores"][0]
-        self.assertEqual((age["n"], age["below"]), (12, None))  # a number is no rating: its range has no middle
-        self.assertTrue(age["mean_ci_low"] < age["mean"] < age["mean_ci_high"])
+        age = items[0]
+        self.assertEqual((age["n"], age["n_below"]), (12, None))  # a number is no rating: its range has no middle
+        self.assertTrue(age["ci_low"] < age["mean"] < age["ci_high"])
         ratings = self.ratings()
         for item in ITEMS:
             self.assertEqual({c: len(r) for c, r in ratings[item].items()}, {"C": 12, "N": 12})
@@ -74,17 +73,16 @@ class Experiment2(program.Shared):
 
     def test_the_tests_are_wilcoxons_and_their_corrections_are_there(self):
         result, ratings = self.analysis(), self.ratings()
-        self.assertEqual(result["family"], 17)
+        means = {row["item"]: row["mean"] for row in result["items"] if row["condition"] == "C"}
         p = {}
-        for item in result["items"]:
-            if "pairs" not in item:
-                continue
-            pair, by = item["pairs"][0], ratings[item["item"]]
+        for pair in result["ratings"]:
+            by = ratings[pair["item"]]
             differences = [by["C"][who] - by["N"][who] for who in sorted(by["C"])]
-            p[item["item"]] = exact_p(differences)
-            self.assertAlmostEqual(pair["p"], p[item["item"]], places=12)
+            p[pair["item"]] = exact_p(differences)
+            self.assertAlmostEqual(pair["p_exact_permutation"], p[pair["item"]], places=12)
             self.assertEqual(pair["zeros"], differences.count(0))
-            self.assertAlmostEqual(item["scores"][0]["mean"], sum(by["C"].values()) / 12, places=12)
+            self.assertAlmostEqual(means[pair["item"]], sum(by["C"].values()) / 12, places=12)
+        self.assertEqual([*p], ITEMS)
         order = sorted(p, key=p.get)
         worst, best = 0, 1
         holm, bh = {}, {}
@@ -92,22 +90,22 @@ class Experiment2(program.Shared):
             worst = holm[item] = min(1, max(worst, (17 - i) * p[item]))
         for i, item in reversed(list(enumerate(order))):
             best = bh[item] = min(best, 17 / (i + 1) * p[item])
-        for item in result["items"]:
-            if "pairs" in item:
-                self.assertAlmostEqual(item["pairs"][0]["p_holm"], holm[item["item"]], places=12)
-                self.assertAlmostEqual(item["pairs"][0]["p_bh"], bh[item["item"]], places=12)
-        self.assertEqual(result["below_alpha"]["exact"], sum(v < 0.05 for v in p.values()))
-        self.assertEqual(result["below_alpha"]["holm"], sum(v < 0.05 for v in holm.values()))
+        for pair in result["ratings"]:
+            self.assertAlmostEqual(pair["p_exact_holm"], holm[pair["item"]], places=12)
+            self.assertAlmostEqual(pair["p_exact_bh"], bh[pair["item"]], places=12)
+        found, kept = (sum(v < 0.05 for v in values.values()) for values in (p, holm))
+        self.says(result["verdict"], f"{found} of 17 Wilcoxon tests", f"{kept} with Holm's")
 
     def test_all_prefer_the_devices_as_published(self):
-        (choice,) = self.analysis()["choices"]
-        self.assertEqual([option["count"] for option in choice["options"]], [12, 0])
-        self.assertAlmostEqual(choice["options"][0]["ci_low"], 0.025 ** (1 / 12), places=10)
-        self.assertEqual(choice["options"][0]["ci_high"], 1)
+        options = self.analysis()["choices"]
+        self.assertEqual([option["count"] for option in options], [12, 0])
+        self.assertAlmostEqual(options[0]["ci_low"], 0.025 ** (1 / 12), places=10)
+        self.assertEqual(options[0]["ci_high"], 1)
 
     def test_tables_export_report_and_methods(self):
         text = self.jnd("analyze", "e2.sqlite", "--methods", "methods.md").stdout
-        self.says(text, "Ratings given once", "Ratings by condition", "Of 17 tests, below 0.05", "6.7 ± 7.6", "Free interaction")
+        self.says(text, "Free interaction", "Answers to the questions", "asked once", "Answers compared between conditions", "Of 17 tests, below 0.05",
+                  "6.7 ± 7.6")
         self.assertNotIn("JND", text.split("\n", 2)[2].replace("jnd", ""))
         self.assertIn("The 17 tests are one family", self.read("methods.md"))
         self.ratings()
@@ -121,7 +119,7 @@ class Experiment2(program.Shared):
         self.jnd("report", "e2.sqlite", "--to", "page.html")
         page = self.read("page.html")
         self.assertIn("after free interaction", page)
-        self.assertIn("Wilcoxon signed-rank tests of the ratings", page)
+        self.assertIn("Answers compared between conditions", page)
 
     def test_other_commands_know_it(self):
         self.assertIn("every planned stimulus agrees", self.jnd("verify", "e2.sqlite").stdout)

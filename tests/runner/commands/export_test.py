@@ -141,9 +141,9 @@ class Export(program.Shared):
             with self.subTest(name):
                 self.check_package(folder)
         keys = {path: resource["schema"].get("primaryKey") for path, resource in self.read_package(self.exports["tutorial"]).items()}
-        self.assertEqual({path: keys[path] for path in ("trials.csv", "intervals.csv", "cells.csv", "thresholds.csv", "items.csv")}, {
+        self.assertEqual({path: keys[path] for path in ("trials.csv", "intervals.csv", "cells.csv", "estimates.csv", "items.csv")}, {
             "trials.csv": ["session", "trial"], "intervals.csv": ["session", "seq", "interval", "finger", "channel"],
-            "cells.csv": ["participant", "condition", "series"], "thresholds.csv": ["participant", "condition"], "items.csv": None})
+            "cells.csv": ["participant", "condition", "series"], "estimates.csv": ["participant", "condition", "standard"], "items.csv": None})
 
     def test_results_alone_and_ticks_are_described_too(self):
         self.jnd("analyze", "tutorial.sqlite", "--csv", "csv")
@@ -202,7 +202,7 @@ class Export(program.Shared):
         printed = self.jnd("export", "tutorial.sqlite", "--to", "said").stdout
         self.assertEqual(printed.splitlines(), [
             f"said: {len([path for path in (self.folder / 'said').rglob('*') if path.is_file()]) - 1} files of simulated data",
-            "  trials.csv, intervals.csv, thresholds.csv, group.csv, contrasts.csv, ...",
+            "  trials.csv, intervals.csv, estimates.csv, group.csv, contrasts.csv, ...",
             "  dictionary.csv and datapackage.json say what every column is",
             "  to compute the results again, in that folder:",
             '    R:       source("recompute.R")',
@@ -253,11 +253,11 @@ class Export(program.Shared):
                     self.assertIn("group.csv: from trials.csv", printed)
                     self.assertIn("contrasts.csv: from trials.csv", printed)
                     self.assertEqual(columns[:2], ["  not computed: missing",
-                                                   "  not computed: jnd_ci95_low_n_per_m, jnd_ci95_high_n_per_m"])
+                                                   "  not computed: missing, slope_*, jnd_*, weber_*"])
                 if name == "hierarchical":
-                    self.assertIn("  not computed: the rows of hierarchical_log_jnd", columns)
+                    self.assertIn("hierarchical_ratios.csv: from hierarchical.csv", printed)
                 if name == "likelihood":
-                    self.assertIn("group.csv: from the participants' JNDs in thresholds.csv (method ml)", printed)
+                    self.assertIn("group.csv: from the participants' estimates in estimates.csv", printed)
                 if name in ("hierarchical", "likelihood", "independent", "staircase", "leib2015", "pang1991"):
                     self.assertRegex(printed, r"  ln L is -\d+\.\d{5}; \d+ small steps of the estimates add -")
         if R is None:
@@ -283,7 +283,7 @@ class Export(program.Shared):
         status, printed = self.python(folder)
         self.assertEqual(status, 0, printed)
         self.says(printed, "hierarchical.csv: from the trials, at its own estimates", "; 13 small steps of the estimates add -")
-        for column, wrong in (("jnd_n_per_m", "mu of S: a step of -0.01 adds"), ("criterion", "kappa of S: a step of -0.01 adds"),
+        for column, wrong in (("jnd", "mu of S: a step of -0.01 adds"), ("model_criterion", "kappa of S: a step of -0.01 adds"),
                               ("sd_persons_by_condition", "tv of S: a step of -0.01 adds"), ("log_likelihood", "log_likelihood: the file says")):
             with self.subTest(column):
                 changed = [list(row) for row in rows]
@@ -347,7 +347,7 @@ class Export(program.Shared):
             self.says(printed, f"{len(lines) - 2} of {len(lines) - 1} in contrasts.csv", "DIFFERS: the number of rows in contrasts.csv\n", " 0 differ")
 
     def test_a_changed_number_is_found(self):
-        for file, column in (("group.csv", "jnd_mean_n_per_m"), ("contrasts.csv", "p"), ("cells.csv", "dprime")):
+        for file, column in (("group.csv", "mean"), ("contrasts.csv", "p"), ("cells.csv", "dprime")):
             with self.subTest(file):
                 folder = self.folder / f"changed-{file}"
                 shutil.copytree(self.exports["tutorial"], folder)

@@ -125,8 +125,9 @@ class Groups(program.Case):
         # A pilot session of that number has the same group: a rehearsal alone in its file is not in code, and does not tell it.
         self.jnd("run", protocol, "--study", "alone.sqlite", "--participant", "P09", "--kind", "pilot", *BY_HAND, keys=(" " * 3 + "1") * 4)
         self.jnd("export", "alone.sqlite", "--to", "pilot", "--kind", "pilot")
-        for name in ("sessions", "estimates", "counts"):
+        for name in ("sessions", "estimates", "counts", "values"):
             self.assertEqual({row["group"] for row in self.rows(f"pilot/{name}.csv")}, {""}, name)
+        self.assertFalse((self.folder / "pilot/groups.csv").exists())
         # A simulated participant of that number would show it.
         self.assertIn("blinded", self.jnd("simulate", protocol, "--participants", 1, "--study", "s.sqlite", code=2))
         self.jnd("unblind", "s.sqlite", "--reason", "the test is over")
@@ -158,15 +159,13 @@ class Groups(program.Case):
 
     def held_against(self, results, calc, groups):
         """The registered comparison, with everything that `jnd calc compare` says of the same values."""
-        ours = results["between"]["comparison"]
-        self.assertEqual(ours["n"], calc["n"])
-        for effect, numbers in ours["anova"].items():
-            for key, value in numbers.items():
-                other = calc["anova"][effect][key]
-                self.assertTrue(value == other or math.isclose(value, other, rel_tol=1e-9), (effect, key, value, other))
+        for row in results["between"]:
+            theirs = next(one for one in calc["anova"] if one["effect"] == row["effect"])
+            for key in set(theirs) - {"outcome", "test", "unit"}:
+                self.assertTrue(row[key] == theirs[key] or math.isclose(row[key], theirs[key], rel_tol=1e-9), (row, key, theirs[key]))
         theirs = {(one["a"], one["b"], one.get("condition")): one for one in calc["pairs"]}
         found = 0
-        for pair in ours["pairs"]:
+        for pair in results["group_pairs"]:
             place = (pair["a"], pair["b"], pair.get("condition"))
             turned = place not in theirs
             other = theirs[(place[1], place[0], place[2])] if turned else theirs[place]
@@ -176,7 +175,7 @@ class Groups(program.Case):
                     a, b = pair[test][key], other[test][key]
                     self.assertTrue(a == b or math.isclose(a, b, rel_tol=1e-9), (place, test, key, a, b))
         self.assertEqual(found, 4 * len(calc["pairs"]))
-        self.assertEqual(ours["groups"], groups)
+        self.assertEqual([*dict.fromkeys(row["group"] for row in results["groups"])], groups)
 
     def test_pairs_of_stimuli_and_different_conditions_by_group(self):
         protocol = self.protocol(GOOD, trial={"explore_s": 0.5}, analysis={"tests": {"on": "slope", "between": "welch"}})
@@ -185,25 +184,25 @@ class Groups(program.Case):
         results = self.json_of("analyze", "g.sqlite")
         self.jnd("export", "g.sqlite", "--to", "g")
         slopes = {}
-        for row in self.rows("g/thresholds.csv"):
-            slopes.setdefault((row["participant"], row["group"]), []).append(float(row["slope_per_n_per_m"]))
+        for row in self.rows("g/estimates.csv"):
+            slopes.setdefault((row["participant"], row["group"]), []).append(float(row["slope"]))
         self.assertEqual(sorted(map(len, slopes.values())), [2] * 6 + [3] * 3)
         calc = self.compare([(*who, "mean", sum(values) / len(values)) for who, values in slopes.items()])
         self.held_against(results, calc, ["young", "old", "all"])
-        between = self.rows("g/between.csv")
-        self.assertEqual([(row["group_a"], row["group_b"]) for row in between], [("young", "old"), ("young", "all"), ("old", "all")])
-        for row, pair in zip(between, results["between"]["comparison"]["pairs"]):
-            self.assertEqual((float(row["p"]), float(row["p_holm"])), (pair["welch"]["p"], pair["welch"]["p_holm"]))
+        pairs = self.rows("g/group_pairs.csv")
+        self.assertEqual([(row["a"], row["b"]) for row in pairs], [("young", "old"), ("young", "all"), ("old", "all")])
+        for row, pair in zip(pairs, results["group_pairs"]):
+            self.assertEqual((float(row["welch_p"]), float(row["welch_p_holm"])), (pair["welch"]["p"], pair["welch"]["p_holm"]))
         means = self.rows("g/groups.csv")
         self.assertEqual([row["condition"] for row in means if row["group"] == "old"], ["S", "V", ""])
         # The contrast of two conditions that two of the groups get rests on them.
         contrasts = {(row["a"], row["b"], row["registered"]): row for row in results["contrasts"]}
         self.assertEqual(contrasts["S", "V", True]["participants"], 6)
         columns = {(row["file"], row["column"]) for row in self.rows("g/dictionary.csv")}
-        for file in ("trials.csv", "sub-*/report.csv", "thresholds.csv", "cells.csv", "participants.csv", "sessions.csv", "groups.csv"):
+        for file in ("trials.csv", "sub-*/report.csv", "estimates.csv", "cells.csv", "participants.csv", "sessions.csv", "groups.csv"):
             self.assertIn((file, "group"), columns)
         counts = self.json_of("simulate", protocol, "--participants", 9, "--seed", 1, "--no-study")
-        self.assertEqual(counts["between"]["means"], results["between"]["means"])
+        self.assertEqual(counts["groups"], results["groups"])
         methods = (self.folder / "g/methods.md").read_text()
         self.assertIn("by Welch's t test (Welch 1947) of each pair, of each participant's mean over their conditions", methods)
         self.assertIn("Welch B. L. (1947)", methods)
@@ -217,20 +216,19 @@ class Groups(program.Case):
         self.jnd("simulate", "sandpaper-hands2013", "--participants", 24, "--study", "s.sqlite", "--seed", 3)
         self.jnd("verify", "s.sqlite", "--deep")
         results = self.json_of("analyze", "s.sqlite")
-        self.assertEqual(results["between"]["test"], "mixed-anova")
-        self.assertIsNone(results["between"]["refused"])
+        self.assertEqual({row["test"] for row in results["between"]}, {"mixed-anova"})
         self.jnd("export", "s.sqlite", "--to", "s")
         estimates = self.rows("s/estimates.csv")
         calc = self.compare([(row["participant"], row["group"], row["condition"], row["correct"]) for row in estimates])
         self.held_against(results, calc, [one["name"] for one in json.loads(
             (ROOT / "protocols/studies/sandpaper-hands2013.json").read_text())["groups"]])
         effects = {row["effect"]: row for row in self.rows("s/between.csv")}
-        self.assertEqual(float(effects["group"]["p"]), results["between"]["comparison"]["anova"]["group"]["p"])
+        self.assertEqual(float(effects["group"]["p"]), results["between"][0]["p"])
         self.assertEqual(effects["group"]["p_gg"], "")
         self.assertEqual((effects["group"]["df1"], effects["group"]["df2"]), ("5", "18"))
         # Too few to be tested: a status, and no number.
         self.jnd("simulate", "sandpaper-hands2013", "--participants", 6, "--study", "few.sqlite", "--seed", 5)
-        few = self.json_of("analyze", "few.sqlite")["between"]["comparison"]["anova"]["group"]
+        few = self.json_of("analyze", "few.sqlite")["between"][0]
         self.assertEqual((few["p"], few["status"]), (None, "too_few"))
 
     def test_answers_that_set_the_levels(self):
@@ -245,9 +243,9 @@ class Groups(program.Case):
         self.jnd("simulate", protocol, "--participants", 4, "--study", "a.sqlite", "--seed", 2)
         self.jnd("verify", "a.sqlite", "--deep")
         results = self.json_of("analyze", "a.sqlite")
-        self.assertEqual({(row["group"], row["condition"]) for row in results["rows"]}, {("a", "S"), ("b", "V")})
-        self.assertEqual([(row["condition"], row["of"]) for row in results["group"]], [("S", 2), ("V", 2)])
-        self.assertEqual(results["between"]["test"], "welch")
+        self.assertEqual({(row["group"], row["condition"]) for row in results["tracks"]}, {("a", "S"), ("b", "V")})
+        self.assertEqual([(row["condition"], row["participants"]) for row in results["group"] if row["outcome"] == "threshold"], [("S", 2), ("V", 2)])
+        self.assertEqual(results["group_pairs"][0]["test"], "welch")
         self.jnd("export", "a.sqlite", "--to", "a")
         self.jnd("simulate", protocol, "--participants", 2, "--seed", 2, "--no-study")
 

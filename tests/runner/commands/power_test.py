@@ -92,14 +92,14 @@ class PowerTest(program.Case):
         options = ["tutorial", "--participants", 2, "--studies", 4, "--threads", 1]
         text = jnd("simulate", *options, "--csv", self.folder / "whole").stdout
         self.assertIn("4 studies of 2 participants", text)
-        rows = self.rows("whole", "thresholds.csv")
+        rows = self.rows("whole", "estimates.csv")
         self.assertEqual([row["study"] for row in rows], sorted(row["study"] for row in rows))
         seeds = {row["study"]: row["seed"] for row in rows}
         self.assertEqual(len(set(seeds.values())), 4)
         # One of them again.
         jnd("simulate", "tutorial", "--participants", 2, "--seed", seeds["3"], "--study", self.folder / "third.sqlite")
         jnd("analyze", self.folder / "third.sqlite", "--csv", self.folder / "third")
-        again = self.rows("third", "thresholds.csv")
+        again = self.rows("third", "estimates.csv")
         self.assertEqual([dict(row, study="3", seed=seeds["3"]) for row in again], [row for row in rows if row["study"] == "3"])
         files = []
         for shard in range(1, 4):

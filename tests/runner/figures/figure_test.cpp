@@ -10,9 +10,10 @@
 #include <vector>
 
 #include "analysis/numerics/special_values.h"
+#include "data/fields/number_text.h"
 #include "runner/drawing/figure_style.h"
 #include "runner/figures/figure_conditions.h"
-#include "runner/terminal/number_text.h"
+#include "runner/results/result_format.h"
 #include "tests/catch.h"
 #include "tests/runner/markup_check.h"
 #include "tests/runner/report_fixture.h"
@@ -20,6 +21,8 @@
 using namespace jnd;
 
 namespace {
+
+constexpr std::size_t kJnd = 1;  // among the outcomes of pairs
 
 const Figure& figure_named(const std::vector<Figure>& figures, std::string_view id) {
   for (const Figure& figure : figures)
@@ -89,7 +92,7 @@ TEST_CASE("a usual study has every figure, with every participant in it") {
   CHECK(count_of(figure_named(figures, "time").svg.file(), "class=\"point\"") == 18 * 3);
   CHECK(count_of(figure_named(figures, "rating-1").svg.file(), "class=\"point\"") == 18 * 3);
   const std::string models = figure_named(figures, "sensitivity").svg.file();
-  for (const SensitivityRow& row : constant(results).sensitivity)
+  for (const SensitivityRow& row : results.sensitivity)
     CHECK(models.find(escape_markup(describe(row.method).substr(0, 20))) != std::string::npos);
 }
 
@@ -97,7 +100,7 @@ TEST_CASE("the hierarchical model has its figures where it was added: who is dra
           "[long]") {
   const Protocol protocol = published_protocol();
   StudyResults results = invented_study(protocol, 18);
-  add_hierarchical(results, protocol);
+  results.hierarchical = study_hierarchical(results.task, protocol);
   StudyHierarchical& model = *results.hierarchical;
   const std::vector<Figure> figures = study_figures(results, protocol);
   check_figures(figures);
@@ -108,7 +111,7 @@ TEST_CASE("the hierarchical model has its figures where it was added: who is dra
     CHECK(count_of(svg->file(), "class=\"point\"") == 18 * 3);
     CHECK(count_of(svg->file(), "class=\"mean\"") == 3);
   }
-  CHECK(people.caption.find(hierarchical_assumptions(false)) != std::string::npos);
+  CHECK(people.caption.find(hierarchical_assumptions(model)) != std::string::npos);
   const Figure& predictive = figure_named(figures, "predictive");
   REQUIRE(predictive.narrow);
   for (const Svg* svg : {&predictive.svg, &*predictive.narrow})
@@ -147,8 +150,10 @@ TEST_CASE("every registered contrast is drawn with its numbers, and every partic
   const std::vector<Figure> figures = study_figures(results, protocol);
   const std::string contrasts = figure_named(figures, "contrasts").svg.file();
   CHECK(count_of(contrasts, "class=\"mean\"") == protocol.analysis.contrasts.size());
-  for (const ContrastRow& row : contrasts_of(results, protocol))
-    if (row.registered) CHECK(contrasts.find("p = " + p_value_text(row.p)) != std::string::npos);
+  for (const ContrastRow& row : results.contrasts)
+    if (row.registered)
+      CHECK(contrasts.find(escape_markup(p_text(row.p) + ", registered " + p_text(row.p_registered))) !=
+            std::string::npos);
   // Of 18 people under 3 conditions in 3 series.
   const std::string roc = figure_named(figures, "roc").svg.file();
   int people = 0;
@@ -168,17 +173,21 @@ TEST_CASE("who has no JND stands at the edge, counted") {
   }
   const StudyResults results = invented_results(protocol, cells);
   const std::string svg = figure_named(jnd_figures(results, protocol), "jnd").svg.file();
-  for (const GroupResult& row : constant(results).analysis.group) {
+  for (const TaskGroupRow& row : results.task.group) {
+    if (row.outcome != kJnd) continue;
     const std::string name = protocol.conditions[static_cast<std::size_t>(row.condition)].name;
-    CHECK(svg.find(name + ": " + std::to_string(row.jnd.no_sensitivity) + " no sensitivity") != std::string::npos);
-    CHECK(svg.find(name + ": " + std::to_string(row.jnd.no_information) + " no information") != std::string::npos);
-    CHECK(svg.find("n = " + std::to_string(row.jnd.mean_jnd.n) + " of 12") != std::string::npos);
-    CHECK(row.jnd.mean_jnd.n + row.jnd.no_sensitivity + row.jnd.ceiling + row.jnd.no_information == 12);
+    int without = 0;
+    for (const auto& [status, n] : row.without) without += n;
+    for (const auto& [status, words] :
+         {std::pair{"no_sensitivity", "no sensitivity"}, {"no_information", "no information"}})
+      CHECK(svg.find(fmt::format("{}: {} {}", name, row.without.at(status), words)) != std::string::npos);
+    CHECK(svg.find("n = " + std::to_string(row.mean.n) + " of 12") != std::string::npos);
+    CHECK(row.mean.n + without == 12);
   }
   // Each participant is drawn exactly once: points, arrows of values off the scale, and the counted edges.
   std::size_t drawn = count_of(svg, "class=\"point\"");
-  for (const ThresholdResult& row : constant(results).analysis.thresholds)
-    if (row.jnd.status == JndStatus::ok)
+  for (const TaskEstimateRow& row : results.task.estimates)
+    if (row.estimates.values[kJnd].value)
       drawn -= svg.find("<title>" + row.participant + ", " +
                         protocol.conditions[static_cast<std::size_t>(row.condition)].name + ": ") != std::string::npos;
   CHECK(drawn == 0);
@@ -204,23 +213,22 @@ TEST_CASE("a value far beyond the others goes to the edge and leaves the scale a
 }
 
 TEST_CASE("every track is drawn in its participant's panel, and what it comes to beside it where there is that") {
-  const Protocol protocol = published_protocol();
-  AdaptiveResults measured;
+  const Protocol protocol = load_protocol(JND_SOURCE_DIR "/protocols/adaptive-staircase.json");
+  StudyResults results;
   const int participants = 26;
   for (int person = 1; person <= participants; ++person)
     for (int condition = 0; condition < 2; ++condition)
       for (int track = 0; track <= 2; ++track) {
-        AdaptiveRow row;
+        TrackRow row;
         row.participant = fmt::format("P{:02}", person);
         row.condition = condition;
         row.track = track;
         if (track > 0) row.levels = {400, 200, 300.0 + person};
-        row.threshold.status = person == 1 ? AdaptiveStatus::too_few_reversals : AdaptiveStatus::ok;
-        row.threshold.threshold = person == 1 ? kNaN : 250;
-        measured.rows.push_back(row);
+        row.threshold.emplace();
+        row.threshold->status = person == 1 ? AdaptiveStatus::too_few_reversals : AdaptiveStatus::ok;
+        row.threshold->threshold = person == 1 ? kNaN : 250;
+        results.task.tracks.push_back(row);
       }
-  StudyResults results;
-  results.measured = measured;
   const std::vector<Figure> figures = track_figures(results, protocol);
   REQUIRE(figures.size() == 2);
   check_figures(figures);
@@ -236,16 +244,14 @@ TEST_CASE("every track is drawn in its participant's panel, and what it comes to
   CHECK(figures.front().caption.find("The first ") == std::string::npos);
   CHECK(figures.front().caption.find("posterior") == std::string::npos);
   // Of the Bayesian procedure each track has its posterior's mean and band.
-  for (AdaptiveRow& row : measured.rows)
+  for (TrackRow& row : results.task.tracks)
     if (row.track > 0) row.course = {{400, 150, 900}, {300, 180, 600}, {280, 190, 5000}};
-  results.measured = measured;
   const std::vector<Figure> courses = track_figures(results, protocol);
   check_figures(courses);
   CHECK(count_of(courses.front().svg.file(), "<polyline") == shown * 4 * 2);
   CHECK(count_of(courses.front().svg.file(), "opacity=\"0.18\"") == shown * 4);
   CHECK(courses.front().caption.find("the JND by the posterior after each answer") != std::string::npos);
-  results.measured = AdaptiveResults{};
-  CHECK(track_figures(results, protocol).empty());
+  CHECK(track_figures({}, protocol).empty());
 }
 
 TEST_CASE("every answer is a mark: what was said by its place, what was wrong by its width") {
@@ -321,8 +327,6 @@ TEST_CASE(
     "order, preference and change are columns of one figure, with a row for everyone, and say why there is no value") {
   const Protocol protocol = published_protocol();
   StudyResults results;
-  ConstantResults& measured = constant(results);
-  measured.detailed = true;
   for (int condition = 0; condition < 3; ++condition) {
     BehaviourRow row;
     row.condition = condition;
@@ -330,7 +334,7 @@ TEST_CASE(
     row.bias = response_bias(Counts{20, 15, 20, 5}, 0.5);
     row.drift = drift(Counts{10, 5, 10, 4}, Counts{10, 8, 10, 2});
     row.holm = {.order = 0.4, .bias = kNaN, .drift = 0.03, .session = kNaN};
-    measured.behaviour.conditions.push_back(row);
+    results.behaviour.conditions.push_back(row);
     row.participant = fmt::format("P{:02}", condition + 1);
     row.condition = -1;
     if (condition == 1) {
@@ -338,7 +342,7 @@ TEST_CASE(
       row.bias = response_bias(Counts{20, 20, 20, 20}, 0.5);
       row.drift = drift(Counts{10, 5, 0, 0}, Counts{10, 8, 10, 2});
     }
-    measured.behaviour.participants.push_back(row);
+    results.behaviour.participants.push_back(row);
   }
   const std::vector<Figure> figures = behaviour_figures(results, protocol);
   check_figures(figures);
@@ -348,15 +352,14 @@ TEST_CASE(
     CHECK(count_of(svg, "class=\"missing\"") == 3);
     CHECK(count_of(svg, ">S, everyone<") == named);
     CHECK(count_of(svg, ">P02<") == named);
-    for (const char* words : {"S, everyone: 0.25 (", "p = 0.4", "P02: the stiffer never came first",
+    for (const char* words : {"S, everyone: 0.25 (", "p = .400", "P02: the stiffer never came first",
                               "P02: all answers were the same", "P02: no trial of one kind"})
       CHECK(svg.find(words) != std::string::npos);
   };
   check_form(figures[0].svg.file(), 1);  // the rows of the three columns are the same
   REQUIRE(figures[0].narrow);
   check_form(figures[0].narrow->file(), 3);
-  measured.detailed = false;
-  CHECK(behaviour_figures(results, protocol).empty());
+  CHECK(behaviour_figures({}, protocol).empty());
 }
 
 TEST_CASE("ratings part at the middle of their scale, every answer counted once") {
@@ -396,7 +399,7 @@ TEST_CASE("two cues together stand against their optimal combination, who lacks 
   CHECK(figures.front().caption.find("Off the scale") == std::string::npos);
   Protocol alone = protocol;
   alone.conditions[2].cues = alone.conditions[0].cues;
-  CHECK(combination_figures(results, alone).empty());
+  CHECK(combination_figures(invented_results(alone, cells), alone).empty());
   // One who feels next to nothing does not squeeze the others together: at the edge, with the numbers.
   for (CellCounts& cell : cells)
     if (cell.participant == "P09") cell.counts = {500, 251, 500, 250};
@@ -416,7 +419,8 @@ TEST_CASE("where conditions differ in one number, the outcome stands against it"
     protocol.conditions[i].parameters = {{"delay_ms", 60.0 - 30.0 * static_cast<double>(i)}, {"gain", 2.0}};
   }
   const std::vector<Figure> figures = parameter_figures(results, protocol);
-  REQUIRE(figures.size() == 1);
+  REQUIRE(figures.size() == 2);  // slopes are registered: JNDs stand beside them
+  CHECK(figures.back().id == "parameter-jnd");
   check_figures(figures);
   const std::string svg = figures.front().svg.file();
   CHECK(count_of(svg, "class=\"point\"") == 12);
@@ -425,7 +429,7 @@ TEST_CASE("where conditions differ in one number, the outcome stands against it"
   const OutcomeComparison& outcome = results.comparisons.front();
   double sum = 0;
   for (const ParticipantValues& one : outcome.everyone) sum += one.values[2];  // at a delay of 0
-  CHECK(svg.find(fmt::format("delay (ms) 0: mean {} of 12", number_text(sum / 12, 3))) != std::string::npos);
+  CHECK(svg.find(fmt::format("delay (ms) 0: mean {} of 12", size_text(sum / 12))) != std::string::npos);
   protocol.conditions[1].parameters["gain"] = 3.0;  // and now in two
   CHECK(parameter_figures(results, protocol).empty());
   protocol.conditions[1].parameters["gain"] = 2.0;
@@ -462,7 +466,7 @@ TEST_CASE("force against depth: a line for each press, the asked slope dotted, p
   const std::string svg = figures.front().svg.file();
   CHECK(count_of(svg, "<polyline") == 3 * 2 * 2);
   CHECK(count_of(svg, "class=\"rule\"") == 2 * 2);  // nothing was asked for under vibration alone
-  CHECK(svg.find("400, 700 N/m, felt as 399.0, 699.0") != std::string::npos);
+  CHECK(svg.find("400, 700 N/m, felt as 399, 699") != std::string::npos);
   CHECK(svg.find("400, 700 N/m, no force") != std::string::npos);
   CHECK(figures.front().caption.find("a limit of the device was reached") == std::string::npos);
   REQUIRE(figures.front().narrow.has_value());
@@ -538,22 +542,26 @@ TEST_CASE("studies at the limits still have figures") {
 
 TEST_CASE("large studies: panels on pages, then one panel a condition, everyone drawn") {
   const Protocol protocol = published_protocol();
-  StudyResults results;
-  constant(results).analysis = analyze_counts(invented_counts(protocol, 50, 9), protocol, SessionKind::simulated);
+  const auto results_of_many = [&](int participants) {
+    return results_of(results_of_counts(invented_counts(protocol, participants, 9), protocol, SessionKind::simulated),
+                      participants, protocol);
+  };
+  StudyResults results = results_of_many(50);
   std::vector<Figure> figures = slope_figures(results, protocol);
   check_figures(figures);
   REQUIRE(figures.size() == 3);
   std::size_t panels = 0;
   for (const Figure& figure : figures) panels += count_of(figure.svg.file(), "class=\"panel\"");
   CHECK(panels == 50);
-  constant(results).analysis = analyze_counts(invented_counts(protocol, 200, 9), protocol, SessionKind::simulated);
+  results = results_of_many(200);
   figures = study_figures(results, protocol);
   check_figures(figures);
   const std::string slopes = figure_named(figures, "slopes").svg.file();
   CHECK(count_of(slopes, "class=\"panel\"") == 3);
   CHECK(count_of(slopes, "<circle") >= 200 * 3);  // condition S: every series of everyone
   std::size_t points = count_of(figure_named(figures, "jnd").svg.file(), "class=\"point\""), have = 0;
-  for (const GroupResult& row : constant(results).analysis.group) have += static_cast<std::size_t>(row.jnd.mean_jnd.n);
+  for (const TaskGroupRow& row : results.task.group)
+    if (row.outcome == kJnd) have += static_cast<std::size_t>(row.mean.n);
   CHECK(points <= have);
   CHECK(points + 30 > have);  // a few stand off the scale
 }
@@ -577,9 +585,8 @@ TEST_CASE("names of users cannot leave their place in a figure") {
 TEST_CASE("equal stimuli that count as their series' stay in their panel", "[long]") {
   Protocol protocol = published_protocol();
   protocol.analysis.model = "independent-observation";
-  StudyResults results =
-      results_of(analyze_counts(invented_counts(protocol, 8, 5), protocol, SessionKind::simulated), protocol);
-  add_hierarchical(results, protocol);
+  const StudyResults results = results_of(
+      results_of_counts(invented_counts(protocol, 8, 5), protocol, SessionKind::simulated), 8, protocol, true);
   REQUIRE(results.hierarchical->check);
   const Figure predictive = figure_named(study_figures(results, protocol), "predictive");
   CHECK(predictive.caption.find("Below 0: equal stimuli") != std::string::npos);

@@ -129,7 +129,7 @@ TEST_CASE("groups that get different conditions, in shards", "[power][groups][sh
   std::array<int, 2> sizes{};
   for (const DrawnPerson& person : people) {
     ++sizes[static_cast<std::size_t>(person.group.value())];
-    if (!person.dropped) CHECK(person.thresholds.size() == conditions_of(protocol, person.group).size());
+    if (!person.dropped) CHECK(person.estimates.size() == conditions_of(protocol, person.group).size());
   }
   CHECK(sizes == std::array<int, 2>{8, 8});
   const auto everything = [](const PowerResult& result) {

@@ -59,6 +59,10 @@ std::string text_of(const std::filesystem::path& file) {
   return text.str();
 }
 
+double slope_of(const DrawnPerson& person, std::size_t condition) {
+  return person.estimates[condition].estimates.values[0].value.value();
+}
+
 }  // namespace
 
 TEST_CASE("one test of every pair is that of the whole comparison", "[power]") {
@@ -88,8 +92,7 @@ TEST_CASE("designs are compared on the same people", "[power]") {
   const auto source = people_source(protocol, question, 1);
   const std::vector<DrawnPerson> few = source->people(3, 4), many = source->people(3, 9);
   for (std::size_t p = 0; p < few.size(); ++p)
-    for (std::size_t c = 0; c < few[p].thresholds.size(); ++c)
-      CHECK(few[p].thresholds[c].jnd.slope == many[p].thresholds[c].jnd.slope);
+    for (std::size_t c = 0; c < few[p].estimates.size(); ++c) CHECK(slope_of(few[p], c) == slope_of(many[p], c));
   // More trials of the same people: the same hidden numbers, so the estimates of both go together.
   Protocol longer = protocol;
   longer.design.trials_per_cell = 48;
@@ -97,8 +100,7 @@ TEST_CASE("designs are compared on the same people", "[power]") {
   double both = 0, of_short = 0, of_long = 0;
   for (std::uint64_t study = 0; study < 60; ++study) {
     const DrawnPerson a = source->people(study, 1).front(), b = more->people(study, 1).front();
-    const double x = a.thresholds[0].jnd.slope - 1 / question.jnds[0],
-                 y = b.thresholds[0].jnd.slope - 1 / question.jnds[0];
+    const double x = slope_of(a, 0) - 1 / question.jnds[0], y = slope_of(b, 0) - 1 / question.jnds[0];
     both += x * y;
     of_short += x * x;
     of_long += y * y;
@@ -126,9 +128,9 @@ TEST_CASE("drawn participants agree with the enumeration of every outcome", "[po
     for (std::uint64_t study = 0; study < kStudies; ++study)
       for (const DrawnPerson& person : source->people(study, kPeople))
         for (std::size_t c = 0; c < 3; ++c) {
-          const JndEstimate& jnd = person.thresholds[c].jnd;
-          ok[c] += jnd.status == JndStatus::ok ? 1 : 0;
-          below[c] += jnd.status == JndStatus::ok && jnd.jnd <= told[c].q95 * (1 + 1e-12) ? 1 : 0;
+          const std::optional<double>& jnd = person.estimates[c].estimates.values[1].value;
+          ok[c] += jnd ? 1 : 0;
+          below[c] += jnd && *jnd <= told[c].q95 * (1 + 1e-12) ? 1 : 0;
         }
     for (std::size_t c = 0; c < 3; ++c) {
       const double n = kStudies * kPeople, p = told[c].status.ok;

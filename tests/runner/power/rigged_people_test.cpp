@@ -35,12 +35,6 @@ PowerQuestion rigged(const Protocol& protocol, int participants) {
   return question;
 }
 
-std::string words(const JndEstimate& jnd) {
-  return fmt::format("{} {} {}", to_string(jnd.status), jnd.jnd, jnd.slope);
-}
-std::string words(const AdaptiveThreshold& threshold) {
-  return fmt::format("{} {}", static_cast<int>(threshold.status), threshold.threshold);
-}
 std::string words(const TaskEstimates& estimates) {
   std::string all = estimates.status;
   for (const TaskEstimate& one : estimates.values) all += fmt::format(" {}", one.value.value_or(-1e300));
@@ -50,11 +44,8 @@ std::string words(const TaskEstimates& estimates) {
 // By participant and condition.
 std::vector<std::string> left_by(const std::vector<DrawnPerson>& people) {
   std::vector<std::string> all;
-  for (const DrawnPerson& person : people) {
-    for (const ThresholdResult& row : person.thresholds) all.push_back(words(row.jnd));
-    for (const AdaptiveRow& row : person.tracks) all.push_back(words(row.threshold));
+  for (const DrawnPerson& person : people)
     for (const TaskEstimateRow& row : person.estimates) all.push_back(words(row.estimates));
-  }
   return all;
 }
 
@@ -72,13 +63,7 @@ std::vector<std::string> left_in_study(const Protocol& protocol, std::uint64_t s
   REQUIRE(simulate_study(simulation, *study).completed == participants);
   const StudyResults results = results_of(*study, protocol, SessionKind::simulated);
   std::vector<std::string> all;
-  if (const auto* constant = std::get_if<ConstantResults>(&results.measured))
-    for (const ThresholdResult& row : constant->analysis.thresholds) all.push_back(words(row.jnd));
-  if (const auto* adaptive = std::get_if<AdaptiveResults>(&results.measured))
-    for (const AdaptiveRow& row : adaptive->rows)
-      if (row.track == 0) all.push_back(words(row.threshold));
-  if (const auto* task = std::get_if<MeasuredTask>(&results.measured))
-    for (const TaskEstimateRow& row : task->task.estimates) all.push_back(words(row.estimates));
+  for (const TaskEstimateRow& row : results.task.estimates) all.push_back(words(row.estimates));
   return all;
 }
 

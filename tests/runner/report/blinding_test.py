@@ -87,7 +87,7 @@ class Blinding(program.Case):
             (("watch", "s.sqlite", "--once"), 0, ()),
             (("verify", "s.sqlite"), 0, ()),
             (("verify", "s.sqlite", "--json"), 0, ()),
-            (("analyze", "s.sqlite"), 0, (*NAMES, SEED, "271.8")),
+            (("analyze", "s.sqlite"), 0, (*NAMES, SEED, "271.75")),
             (("analyze", "s.sqlite", "--kind", "real", "--by", "delivered"), 0, NAMES),
             (("analyze", "s.sqlite", "--json"), 0, NAMES),
             (("analyze", "s.sqlite", "--cells"), 2, SERIES),
@@ -136,9 +136,9 @@ class Blinding(program.Case):
     def test_blinded_results_are_coded_and_in_the_order_of_the_codes(self):
         self.study("real", 4, 1, "taken-back")
         result = json.loads(self.jnd("analyze", "s.sqlite", "--json"))
-        self.assertEqual([row["code"] for row in result["group"]], ["A", "B", "C"])
-        self.assertEqual({row["status"] for row in result["group"]}, {"ok"})
-        self.assertEqual([row["state"] for row in result["participants"]], ["finished"] * 4 + ["not finished"])
+        self.assertEqual([row["condition_code"] for row in result["coded"]], ["A", "B", "C"])
+        self.assertEqual({row["status"] for row in result["coded"]}, {"ok"})
+        self.assertEqual([row["state"] for row in result["monitoring"]], ["finished"] * 4 + ["not finished"])
         self.assertTrue(result["blinding"]["blinded"])
         plan = json.loads(self.jnd("plan", "--study", "s.sqlite", "--json"))
         self.assertEqual(set(plan["trials"][0]), {"index", "block", "condition_code", "practice"})
@@ -200,15 +200,15 @@ class Blinding(program.Case):
         text = self.jnd("analyze", "s.sqlite")
         self.assertIn("BLINDED: 5 of 6 planned participants finished, 0 real sessions open", text)
         result = json.loads(self.jnd("analyze", "s.sqlite", "--json"))
-        self.assertEqual([row["state"] for row in result["participants"]], ["finished"] * 5 + ["ended early"])
+        self.assertEqual([row["state"] for row in result["monitoring"]], ["finished"] * 5 + ["ended early"])
         self.jnd("export", "s.sqlite", "--to", "x")
         self.assertEqual([row["state"] for row in self.rows("x", "monitoring.csv")], ["finished"] * 5 + ["ended early"])
 
     def test_a_mean_of_few_is_nobodys_own_result(self):
         self.study("real", 2, 0)
         result = json.loads(self.jnd("analyze", "s.sqlite", "--json"))
-        self.assertEqual({row[key] for row in result["group"] for key in ("n", "mean")}, {None})
-        self.assertEqual({row["status"] for row in result["group"]}, {"too_few_participants"})
+        self.assertEqual({row[key] for row in result["coded"] for key in ("n", "mean")}, {None})
+        self.assertEqual({row["status"] for row in result["coded"]}, {"too_few_participants"})
 
     def test_a_complete_study_and_an_open_protocol_are_not_blinded(self):
         self.study("real", 6, 0)
@@ -258,7 +258,7 @@ class Blinding(program.Case):
                               ("export", "s.sqlite", "--to", kind)):
                 self.assert_silent(self.jnd(*arguments, "--kind", kind), arguments)
             result = json.loads(self.jnd("analyze", "s.sqlite", "--kind", kind, "--json"))
-            self.assertEqual((result["kind"], len(result["participants"]), result["group"]), (kind, 4, []))
+            self.assertEqual((result["kind"], len(result["monitoring"]), result["coded"]), (kind, 4, []))
             self.assertFalse(os.path.exists(self.folder / f"{kind}-figures"))
             for refused in (("report", "s.sqlite", "--to", "x.html", "--press", "P01:9"), ("analyze", "s.sqlite", "--cells"),
                             ("export", "s.sqlite", "--to", "x", "--telemetry")):
@@ -376,7 +376,7 @@ class Twins(program.Case):
         for kind in ("real", "pilot", "simulated"):
             one, other = (program.parse(text.split("\n")[1])
                           for text in self.both(["analyze", "s.sqlite", "--kind", kind, "--json"]))
-            self.assertEqual(one.pop("group") == other.pop("group"), kind != "real")
+            self.assertEqual(one.pop("coded") == other.pop("coded"), kind != "real")
             self.assertEqual(one, other)
 
 

@@ -149,7 +149,7 @@ class Report:
     def check_document(self):
         document = self.browse("--dump-dom")
         for part in ('<figure id="fig-jnd">', '<figure id="fig-slopes">', '<figure id="fig-time">', '<figure id="fig-rating-1">',
-                     '<figure id="fig-sensitivity">', 'id="table-participants"', 'id="table-group"', 'id="methods"',
+                     '<figure id="fig-sensitivity">', 'id="table-estimates"', 'id="table-group"', 'id="methods"',
                      'id="provenance"', "Cautions"):
             assert part in document, f"{part} is not in the page as the browser understood it"
         assert document.count("<svg") == 22 and document.count("</svg>") == 22  # 15, seven of them for phones too

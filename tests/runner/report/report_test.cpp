@@ -6,6 +6,7 @@
 #include <rapidcheck.h>
 #include <unistd.h>
 
+#include "data/blocks/result_blocks.h"
 #include "data/files/seal.h"
 #include "data/log/storage_error.h"
 #include "runner/report/report_files.h"
@@ -41,7 +42,8 @@ std::vector<ResultTable> two_tables() {
 }
 
 std::string page_of(const StudyResults& results, const Protocol& protocol) {
-  return report_page(results, protocol, two_tables(), study_figures(results, protocol), "A method, `jnd`.\n", facts());
+  return report_page(results, protocol, result_blocks(results, protocol), study_figures(results, protocol),
+                     "A method, `jnd`.\n", facts());
 }
 
 // What could run or be fetched: the only addresses are links that a person may follow.
@@ -132,7 +134,7 @@ TEST_CASE("what must be said stands before the figures") {
   CHECK(page_of(results, protocol).find("class=\"alert\"") == std::string::npos);
   results.cautions = {"too few <trials>"};
   results.deviations = {"another analysis"};
-  constant(results).analysis.attendance.heads[0].closed = false;
+  results.attendance.heads[0].closed = false;
   ReportFacts others = facts();
   others.other_kinds = {"pilot"};
   const std::string page = report_page(results, protocol, {}, study_figures(results, protocol), "", others);
@@ -150,22 +152,22 @@ TEST_CASE("the summary counts who has no JND") {
   std::vector<CellCounts> cells = invented_counts(protocol, 5, 5);
   for (CellCounts& cell : cells) cell.counts = {6, 1, 6, 5};
   const StudyResults results = invented_results(protocol, cells);
-  const std::string page = page_of(results, protocol);
-  CHECK(count_of(page, "<td class=\"number\">0 of 5</td><td class=\"number\">none</td>") == 3);
-  CHECK(page.find("the mean leaves out 5 of 5 (5 no_sensitivity") < page.find("id=\"figures\""));
+  const std::string page = page_of(results, protocol), summary = page.substr(0, page.find("id=\"figures\""));
+  CHECK(count_of(summary, "<td class=\"number\">0 of 5</td><td class=\"number\">-</td>") == 3);
+  CHECK(summary.find("the mean leaves out 5 of 5 (5 no_sensitivity") != std::string::npos);
   check_self_contained(page);
 }
 
 TEST_CASE("a study without sessions, and a large one, have pages too") {
   const Protocol protocol = published_protocol();
   StudyResults empty;
-  constant(empty).analysis.attendance.kind = SessionKind::real;
+  empty.attendance.kind = SessionKind::real;
   const std::string page = report_page(empty, protocol, {}, study_figures(empty, protocol), "", facts());
   check_self_contained(page);
   CHECK(page.find("no real session yet") != std::string::npos);
   CHECK(page.find("id=\"figures\"") == std::string::npos);
-  StudyResults many;
-  constant(many).analysis = analyze_counts(invented_counts(protocol, 200, 2), protocol, SessionKind::simulated);
+  const StudyResults many =
+      results_of(results_of_counts(invented_counts(protocol, 201, 2), protocol, SessionKind::simulated), 201, protocol);
   check_self_contained(page_of(many, protocol));
 }
 
@@ -181,8 +183,13 @@ TEST_CASE("text of users is never markup") {
   results.cautions = results.deviations = {attack};
   ReportFacts hostile = facts();
   hostile.study_file = attack;
-  const std::vector<ResultTable> tables = {{attack, attack, attack, {{attack, true}}, {{attack}}, {attack}}};
-  const std::string page = report_page(results, protocol, tables, study_figures(results, protocol),
+  Block block;
+  block.id = block.title = block.note = attack;
+  block.footnotes = {attack};
+  block.columns = {{attack}};
+  block.with(Fields<std::string>{{attack, attack, [](const std::string& text) { return text; }, {.unit = attack}}},
+             std::vector<std::string>{attack});
+  const std::string page = report_page(results, protocol, {block}, study_figures(results, protocol),
                                        "# " + attack + "\n\n- " + attack + "\n\n`" + attack + "`\n", hostile);
   CHECK(markup_problem(page).empty());
   CHECK(page.find("<script") == std::string::npos);
@@ -239,7 +246,7 @@ TEST_CASE("the style sheet knows every class of the figures, dark paper and prin
   CHECK(style.find("@media print") != std::string::npos);
   const Protocol protocol = published_protocol();
   StudyResults results = invented_study(protocol, 30);
-  add_hierarchical(results, protocol);
+  results.hierarchical = study_hierarchical(results.task, protocol);
   for (const Figure& figure : study_figures(results, protocol)) {
     const std::string svg = figure.svg.file();
     for (std::size_t at = svg.find("class=\""); at != std::string::npos; at = svg.find("class=\"", at + 1)) {

@@ -5,11 +5,14 @@
 #include <cmath>
 #include <functional>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include <nlohmann/json.hpp>
 
-#include "data/results/adaptive_results.h"
+#include "data/task_results/participant_tracks.h"
+#include "data/task_results/task_results.h"
+#include "protocols/planning/track_threshold.h"
 #include "protocols/tasks/same_different_task.h"
 #include "tests/runner/engine_fixture.h"
 
@@ -76,8 +79,28 @@ inline std::function<std::optional<int>(const TrialQuestion&)> sharp(double thre
   };
 }
 
-inline std::vector<AdaptiveRow> rows_of(const Bench& bench) {
-  return adaptive_rows(bench.log.events(), bench.protocol, "P01", SessionKind::simulated);
+// By condition, then track.
+inline std::vector<AdaptiveTrack> tracks_of(const Bench& bench) {
+  return participant_tracks({bench.log.events()}, bench.protocol, "P01", std::nullopt);
+}
+
+// Adds the estimates of who answered on the bench, as a study's results have them.
+inline void add_observer(TaskResults& results, const Bench& bench) {
+  const std::vector<AdaptiveTrack> tracks = tracks_of(bench);
+  for (int condition = 0; condition < static_cast<int>(bench.protocol.conditions.size()); ++condition) {
+    TaskEstimateRow row;
+    row.condition = condition;
+    std::vector<AdaptiveTrack> own;
+    for (const AdaptiveTrack& track : tracks) {
+      if (track.condition != condition) continue;
+      own.push_back(track);
+      row.trials += static_cast<int>(track.levels.size());
+      row.catch_trials += track.catch_trials;
+      row.false_alarms += track.false_alarms;
+    }
+    row.estimates = measured_estimates(bench.protocol, bench.protocol.series.front(), {}, own);
+    results.estimates.push_back(std::move(row));
+  }
 }
 
 }  // namespace jnd::test

@@ -2,7 +2,6 @@
 #include <map>
 
 #include "data/log/storage_error.h"
-#include "data/results/adaptive_results.h"
 #include "protocols/planning/adaptive_run.h"
 #include "protocols/tasks/same_different_task.h"
 #include "runner/session/session_engine.h"
@@ -16,10 +15,10 @@ using nlohmann::json;
 using test::Bench;
 using test::posterior;
 using test::quest;
-using test::rows_of;
 using test::sharp;
 using test::short_staircase;
 using test::staircase;
+using test::tracks_of;
 
 // Ends the session before the k-th trial.
 class EndBefore final : public SessionView {
@@ -64,37 +63,46 @@ TEST_CASE("A staircase session ends with its reversals, at the threshold of a sh
         CHECK((stimulus >= 100 && stimulus <= 880));
     }
   }
-  const std::vector<AdaptiveRow> rows = rows_of(bench);
-  REQUIRE(rows.size() == 2 * 3);  // conditions; two tracks and both
-  for (const AdaptiveRow& row : rows) {
-    CHECK(row.finished);
-    CHECK(row.threshold.status == AdaptiveStatus::ok);
-    CHECK(row.threshold.threshold == Approx(170).margin(20));  // the last steps are 20
-    CHECK(row.false_alarms == 0);
-    CHECK(row.catch_trials > 0);
-    CHECK(row.weber == Approx(row.threshold.threshold / 900));
-    if (row.track != 0) CHECK(row.reversals.size() == 6);
+  const std::vector<AdaptiveTrack> tracks = tracks_of(bench);
+  REQUIRE(tracks.size() == 2 * 2);  // conditions x starts
+  for (const AdaptiveTrack& track : tracks) {
+    CHECK(track.finished);
+    CHECK(track_threshold(track, bench.protocol).status == AdaptiveStatus::ok);
+    CHECK(track_threshold(track, bench.protocol).threshold == Approx(170).margin(20));  // the last steps are 20
+    CHECK(track.false_alarms == 0);
+    CHECK(track.catch_trials > 0);
+    CHECK(track.reversals.size() == 6);
+  }
+  TaskResults results;
+  test::add_observer(results, bench);
+  REQUIRE(results.estimates.size() == 2);
+  for (const TaskEstimateRow& row : results.estimates) {
+    CHECK(row.estimates.status == "ok");
+    CHECK(row.estimates.values[0].value.value() == Approx(170).margin(20));
+    CHECK(row.estimates.values[1].value.value() == Approx(*row.estimates.values[0].value / 900));  // Weber fraction
+    CHECK(row.estimates.tracks.used == 2);
   }
 }
 
 TEST_CASE("Who feels nothing stays at the clamp, until the bound; who always says different has false alarms") {
-  Bench never(staircase());
-  never.responder.rule = [](const TrialQuestion&) { return std::optional(kClassSame); };
-  REQUIRE(never.run() == SessionEnd::completed);
-  CHECK(never.completed().size() == never.plan.trials.size());
-  for (const AdaptiveRow& row : rows_of(never)) {
-    CHECK(row.finished);
-    CHECK(row.threshold.status == AdaptiveStatus::pinned_at_clamp);
-    CHECK(std::isnan(row.threshold.threshold));
-    CHECK(row.trials == (row.track == 0 ? 48 : 24));
-    CHECK(row.false_alarm_rate == 0);
-  }
-  Bench always(staircase());
-  always.responder.rule = [](const TrialQuestion&) { return std::optional(kClassDifferent); };
-  REQUIRE(always.run() == SessionEnd::completed);
-  for (const AdaptiveRow& row : rows_of(always)) {
-    CHECK(row.false_alarm_rate == 1);
-    CHECK(row.threshold.status == AdaptiveStatus::pinned_at_clamp);
+  for (const int said : {kClassSame, kClassDifferent}) {
+    Bench bench(staircase());
+    bench.responder.rule = [said](const TrialQuestion&) { return std::optional(said); };
+    REQUIRE(bench.run() == SessionEnd::completed);
+    if (said == kClassSame) CHECK(bench.completed().size() == bench.plan.trials.size());
+    TaskResults results;
+    test::add_observer(results, bench);
+    for (const TaskEstimateRow& row : results.estimates) {
+      CHECK(row.estimates.status == "pinned_at_clamp");
+      CHECK_FALSE(row.estimates.values[0].value);
+      CHECK(row.catch_trials > 0);
+      CHECK(row.false_alarms == (said == kClassSame ? 0 : row.catch_trials));
+      if (said == kClassSame) CHECK(row.trials == 2 * 24);
+    }
+    for (const AdaptiveTrack& track : tracks_of(bench)) {
+      CHECK(track.finished);
+      CHECK(track_threshold(track, bench.protocol).status == AdaptiveStatus::pinned_at_clamp);
+    }
   }
 }
 

@@ -5,13 +5,13 @@
 #include <SQLiteCpp/SQLiteCpp.h>
 
 #include "analysis/numerics/normal.h"
+#include "data/blocks/result_blocks.h"
 #include "data/export/export.h"
-#include "data/results/adaptive_results.h"
 #include "data/results/study_results.h"
 #include "data/verify/verify.h"
 #include "protocols/random_stream.h"
 #include "protocols/tasks/same_different_task.h"
-#include "runner/results/adaptive_text.h"
+#include "runner/results/analysis_text.h"
 #include "runner/session/session_engine.h"
 #include "runner/session/simulate.h"
 #include "tests/catch.h"
@@ -22,13 +22,21 @@ namespace jnd {
 namespace {
 
 using nlohmann::json;
+using test::add_observer;
 using test::Bench;
 using test::joint_staircase;
 using test::posterior;
 using test::quest;
-using test::rows_of;
-using test::sharp;
 using test::staircase;
+using test::tracks_of;
+
+// The group's threshold in each condition.
+std::vector<TaskGroupRow> group_of(TaskResults results, const Protocol& protocol) {
+  results.outcomes = measured_outcomes(protocol);
+  add_group(results, protocol);
+  std::erase_if(results.group, [](const TaskGroupRow& row) { return row.outcome != 0; });
+  return results.group;
+}
 
 // Observers with P("different") = Phi((difference - 200) / 100), catch trials included: the staircases' mean threshold
 // is where the rule settles, that of QUEST is where its own psychometric function, fitted to nothing, agrees.
@@ -37,7 +45,7 @@ TEST_CASE("Thresholds of known observers are found within their error", "[long]"
   constexpr int kObservers = 40;
   const Protocol protocol = staircase(
       {{"design", {{"procedure", {{"averaged_reversals", 8}, {"stop", {{"reversals", 12}, {"at_most", 90}}}}}}}});
-  std::vector<AdaptiveRow> rows;
+  TaskResults results;
   for (int observer = 1; observer <= kObservers; ++observer) {
     Bench bench(protocol, observer);
     bench.responder.rule = [&](const TrialQuestion& question) {
@@ -47,17 +55,16 @@ TEST_CASE("Thresholds of known observers are found within their error", "[long]"
       return std::optional(std::abs(one - two) + kSigma * noise.normal() > kCriterion ? kClassDifferent : kClassSame);
     };
     REQUIRE(bench.run() == SessionEnd::completed);
-    const std::vector<AdaptiveRow> mine = rows_of(bench);
-    rows.insert(rows.end(), mine.begin(), mine.end());
+    add_observer(results, bench);
   }
   const double truth = kCriterion + kSigma * normal_quantile(std::sqrt(0.5));
-  for (const AdaptiveGroup& group : adaptive_group(rows, protocol)) {
-    CAPTURE(group.mean, group.sd);
-    CHECK(group.n > 0.9 * kObservers);
-    CHECK(group.of == kObservers);
-    CHECK(group.mean == Approx(truth).margin(5 * group.sd / std::sqrt(group.n) + 5));
-    CHECK(group.sd < 60);
-    CHECK(group.false_alarms == Approx(normal_cdf(-2)).margin(0.01));
+  for (const TaskGroupRow& group : group_of(results, protocol)) {
+    CAPTURE(group.mean.mean, group.mean.sd);
+    CHECK(group.mean.n > 0.9 * kObservers);
+    CHECK(group.participants == kObservers);
+    CHECK(group.mean.mean == Approx(truth).margin(5 * group.mean.sd / std::sqrt(group.mean.n) + 5));
+    CHECK(group.mean.sd < 60);
+    CHECK(group.false_alarm_rate == Approx(normal_cdf(-2)).margin(0.01));
   }
 }
 
@@ -65,7 +72,7 @@ TEST_CASE("QUEST finds the threshold of an observer with its psychometric functi
   const Protocol protocol = quest(60);
   const QuestParameters parameters = quest_of_track(*protocol.design.procedure, 1);
   const double shift = quest_threshold_shift(parameters), truth = 220;
-  std::vector<AdaptiveRow> rows;
+  TaskResults results;
   for (int observer = 1; observer <= 40; ++observer) {
     Bench bench(protocol, observer);
     bench.responder.rule = [&](const TrialQuestion& question) {
@@ -77,14 +84,13 @@ TEST_CASE("QUEST finds the threshold of an observer with its psychometric functi
       return std::optional(noise.uniform() < p ? kClassDifferent : kClassSame);
     };
     REQUIRE(bench.run() == SessionEnd::completed);
-    const std::vector<AdaptiveRow> mine = rows_of(bench);
-    rows.insert(rows.end(), mine.begin(), mine.end());
+    add_observer(results, bench);
   }
-  for (const AdaptiveGroup& group : adaptive_group(rows, protocol)) {
-    CAPTURE(group.mean, group.sd);
-    CHECK(group.n >= 38);
-    CHECK(group.mean == Approx(truth).margin(4 * group.sd / std::sqrt(group.n) + 10));
-    CHECK(group.false_alarms == Approx(0.1).margin(0.03));
+  for (const TaskGroupRow& group : group_of(results, protocol)) {
+    CAPTURE(group.mean.mean, group.mean.sd);
+    CHECK(group.mean.n >= 38);
+    CHECK(group.mean.mean == Approx(truth).margin(4 * group.mean.sd / std::sqrt(group.mean.n) + 10));
+    CHECK(group.false_alarm_rate == Approx(0.1).margin(0.03));
   }
 }
 
@@ -94,7 +100,7 @@ TEST_CASE("The posterior of all answers finds the JND of known observers", "[lon
   constexpr double kJnd = 220, kCriterion = 0.75;
   constexpr int kObservers = 30;
   for (const Protocol& protocol : {posterior({{"trials", 48}}), joint_staircase(48)}) {
-    std::vector<AdaptiveRow> rows;
+    TaskResults results;
     int covered = 0, all = 0;
     for (int observer = 1; observer <= kObservers; ++observer) {
       Bench bench(protocol, observer);
@@ -106,22 +112,25 @@ TEST_CASE("The posterior of all answers finds the JND of known observers", "[lon
                                                                                           : kClassSame);
       };
       REQUIRE(bench.run() == SessionEnd::completed);
-      for (const AdaptiveRow& row : rows_of(bench)) {
-        CHECK(row.finished);
-        CHECK(row.threshold.n == row.trials + row.catch_trials);
-        rows.push_back(row);
-        if (row.track != 0 || row.threshold.status != AdaptiveStatus::ok) continue;
-        ++all;
-        covered += row.threshold.low < kJnd && kJnd < row.threshold.high ? 1 : 0;
+      for (const AdaptiveTrack& track : tracks_of(bench)) {
+        CHECK(track.finished);
+        CHECK(track_threshold(track, protocol).n == static_cast<int>(track.levels.size()) + track.catch_trials);
       }
+      add_observer(results, bench);
+    }
+    for (const TaskEstimateRow& row : results.estimates) {
+      const TaskEstimate& jnd = row.estimates.values[0];
+      if (!jnd.value) continue;
+      ++all;
+      covered += *jnd.low < kJnd && kJnd < *jnd.high ? 1 : 0;
     }
     CHECK(all > 0.95 * 2 * kObservers);
     CHECK(covered > 0.85 * all);
-    for (const AdaptiveGroup& group : adaptive_group(rows, protocol)) {
-      CAPTURE(group.mean, group.sd);
-      CHECK(group.mean == Approx(kJnd).margin(4 * group.sd / std::sqrt(group.n) + 15));
-      CHECK(group.sd < 90);
-      CHECK(group.false_alarms == Approx(normal_cdf(-kCriterion)).margin(0.06));
+    for (const TaskGroupRow& group : group_of(results, protocol)) {
+      CAPTURE(group.mean.mean, group.mean.sd);
+      CHECK(group.mean.mean == Approx(kJnd).margin(4 * group.mean.sd / std::sqrt(group.mean.n) + 15));
+      CHECK(group.mean.sd < 90);
+      CHECK(group.false_alarm_rate == Approx(normal_cdf(-kCriterion)).margin(0.06));
     }
   }
 }
@@ -131,6 +140,24 @@ std::string problems_of(const std::filesystem::path& path) {
   for (const Problem& problem : verify(*Study::open(path, Study::Access::read_only)).problems)
     all += problem.text + "\n";
   return all;
+}
+
+// Thresholds name the condition, the status and what they rest on.
+void check_output(const StudyResults& results, const Protocol& protocol) {
+  const std::vector<Block> blocks = result_blocks(results, protocol);
+  const Block* const tracks = block_named(blocks, "tracks");
+  REQUIRE(tracks != nullptr);
+  const std::string text = answer_text(results, blocks, protocol) + text_of(table_of(*tracks));
+  CHECK_THAT(text, Catch::Contains("threshold N/m") && Catch::Contains("70.7 %") && Catch::Contains("2 of 2"));
+  CHECK_THAT(text, !Catch::Contains("nan"));
+  const nlohmann::ordered_json rows = to_json(results, blocks, protocol).at("tracks");
+  REQUIRE(rows.size() == 2 * 2 * 3);
+  CHECK(rows[0]["track"] == 1);
+  CHECK(rows[2]["track"].is_null());
+  const TrackRow& first = results.task.tracks.front();
+  CHECK(rows[0]["reversals"] == first.reversals);
+  CHECK(rows[0]["condition"] == "S");
+  CHECK(rows[0]["status"] == to_string(first.threshold->status));
 }
 
 TEST_CASE("A simulated adaptive study: verified, read, exported; a changed answer shows in the levels after it") {
@@ -149,17 +176,11 @@ TEST_CASE("A simulated adaptive study: verified, read, exported; a changed answe
     const auto study = Study::create(path, protocol.name, protocol.bytes, 11, {simulated_epoch_ns(1), 0});
     REQUIRE(simulate_study(simulation, *study).completed == 2);
     CHECK(verify(*study).problems == std::vector<Problem>{});
-    const AdaptiveResults results = adaptive_results(*study, protocol, SessionKind::simulated);
-    REQUIRE(results.rows.size() == 2 * 2 * 3);
-    CHECK(results.group.size() == 2);
-    for (const AdaptiveRow& row : results.rows) CHECK(row.finished);
-    // The same without a study, on one thread.
-    simulation.threads = 1;
-    const AdaptiveResults again = simulate_thresholds(simulation);
-    CHECK(to_json(again, protocol) == to_json(results, protocol));
-    // The pipeline of counts does not fail on it.
-    const StudyAnalysis counts = analyze(*study, protocol, SessionKind::simulated);
-    export_csv(*study, protocol, results_of(counts, protocol), folder.path() / "csv", false);
+    const StudyResults results = results_of(*study, protocol, SessionKind::simulated);
+    REQUIRE(results.task.tracks.size() == 2 * 2 * 3);
+    for (const TrackRow& row : results.task.tracks) CHECK(row.finished);
+    check_output(results, protocol);
+    export_csv(*study, protocol, results, folder.path() / "csv", false);
     study->close();
   }
   const auto tampered = [&](const std::string& sql) {
@@ -190,31 +211,6 @@ TEST_CASE("A simulated adaptive study: verified, read, exported; a changed answe
                       where + "5") +
                  tampered("UPDATE event SET body = json_set(body, '$.track', 7)" + where + "5"),
              Catch::Contains("event 5: trial"));
-}
-
-TEST_CASE("Thresholds as text and JSON name the condition, the status and what they rest on") {
-  Bench bench(staircase());
-  bench.responder.rule = sharp(170);
-  bench.run();
-  AdaptiveResults results;
-  results.rows = rows_of(bench);
-  results.group = adaptive_group(results.rows, bench.protocol);
-  const std::string text = to_text(results, bench.protocol);
-  CHECK_THAT(text, Catch::Contains("threshold N/m") && Catch::Contains("70.7 %") && Catch::Contains("1 of 1"));
-  CHECK_THAT(text, !Catch::Contains("nan"));
-  const auto count = [](const std::string& all, const std::string& part) {
-    int n = 0;
-    for (std::size_t at = all.find(part); at != std::string::npos; at = all.find(part, at + 1)) ++n;
-    return n;
-  };
-  CHECK(count(to_text(results, bench.protocol, true), "P01") == 6);
-  CHECK(count(text, "P01") == 2);
-  const nlohmann::ordered_json json = to_json(results, bench.protocol);
-  CHECK(json["rows"].size() == 6);
-  CHECK(json["rows"][0]["track"] == 1);
-  CHECK(json["rows"][2]["track"].is_null());
-  CHECK(json["rows"][0]["reversals"].size() == 6);
-  CHECK(json["procedure"]["target"].get<double>() == Approx(std::sqrt(0.5)));
 }
 
 }  // namespace

@@ -90,12 +90,12 @@ Recovered recover(const std::string& profile_name, int participants, int trials_
   simulation.participants = participants;
   simulation.threads = 2;
   simulation.seed = 20170920;
-  const StudyAnalysis analysis = analyze_counts(simulate_counts(simulation, filter), protocol, SessionKind::simulated);
+  const TaskResults results = results_of_counts(simulate_counts(simulation, filter), protocol, SessionKind::simulated);
   Recovered recovered{};
   for (int condition = 0; condition < 3; ++condition) {
     std::vector<double> slopes;
-    for (const ThresholdResult& row : analysis.thresholds)
-      if (row.condition == condition) slopes.push_back(row.jnd.slope);
+    for (const TaskEstimateRow& row : results.estimates)
+      if (row.condition == condition) slopes.push_back(row.estimates.values[0].value.value());
     const MeanEstimate mean = mean_with_ci(slopes);
     REQUIRE(mean.n == participants);
     recovered.jnd[condition] = 1 / mean.mean;
@@ -154,11 +154,11 @@ TEST_CASE("Nothing leaks: a rig that renders every sphere alike brings every d' 
     const auto filter = [](std::unique_ptr<Rig> rig) -> std::unique_ptr<Rig> {
       return std::make_unique<OneStiffnessRig>(std::move(rig));
     };
-    const StudyAnalysis analysis =
-        analyze_counts(simulate_counts(simulation, filter), protocol, SessionKind::simulated);
+    const TaskResults results =
+        results_of_counts(simulate_counts(simulation, filter), protocol, SessionKind::simulated);
     for (int condition = 0; condition < 3; ++condition) {
       std::vector<double> dprimes;
-      for (const CellResult& cell : analysis.cells)
+      for (const CellResult& cell : results.cells)
         if (cell.condition == condition) dprimes.push_back(cell.yes_no.dprime);
       const MeanEstimate mean = mean_with_ci(dprimes);
       const double se = mean.sd / std::sqrt(mean.n);

@@ -8,7 +8,8 @@
 
 #include <fmt/format.h>
 
-#include "data/export/result_columns.h"
+#include "data/blocks/result_blocks.h"
+#include "data/export/result_files.h"
 #include "data/results/study_results.h"
 #include "protocols/input/input_error.h"
 #include "protocols/input/read_file.h"
@@ -76,9 +77,8 @@ std::map<std::string, std::string> tables_of_study(const Asked& asked, std::uint
                                    {simulated_epoch_ns(1), 0});
   simulate_study(simulation, *study);
   std::map<std::string, std::string> tables;
-  for (const ResultFile& file :
-       result_files(results_of(*study, asked.protocol, SessionKind::simulated), asked.protocol, nullptr))
-    tables[file.name] = file.rows;
+  const StudyResults results = results_of(*study, asked.protocol, SessionKind::simulated);
+  for (const ResultFile& file : result_files(result_blocks(results, asked.protocol))) tables[file.name] = file.rows;
   return tables;
 }
 

@@ -64,7 +64,7 @@ class Care(program.Case):
         self.jnd("exclude", "s.sqlite", "--participant", "P02", code=2)
         self.assertTrue(self.json("verify", "s.sqlite", "--deep")["ok"])
         analysis = self.json("analyze", "s.sqlite")
-        self.assertEqual({row["participant"] for row in analysis["participants"]}, {"P01"})
+        self.assertEqual({row["participant"] for row in analysis["estimates"]}, {"P01"})
 
     def test_nothing_is_written_into_a_study_that_verify_refuses(self):
         with contextlib.closing(sqlite3.connect(self.folder / "s.sqlite")) as study:
