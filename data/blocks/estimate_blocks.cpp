@@ -251,7 +251,7 @@ Block tracks_block(const StudyResults& results, const Protocol& protocol) {
   block.columns.push_back(share("false_alarms", "catch_trials", "false alarms", "/"));
   block.columns.push_back({"n"});
   block.columns.push_back({"threshold"});
-  if (source == ThresholdSource::answers) block.columns.push_back(range("ci_low", "ci_high", "95 %"));
+  if (source == ThresholdSource::answers) block.columns.push_back(range("ci_low", "ci_high"));
   block.columns.push_back({sd_key});
   block.columns.push_back({"remarks"});
   return std::move(block.with(fields, results.task.tracks));
@@ -349,7 +349,8 @@ Block group_block(const StudyResults& results, const Protocol& protocol) {
   const auto weber = std::find_if(task.outcomes.begin(), task.outcomes.end(),
                                   [](const TaskOutcome& one) { return one.key == "weber"; });
   const std::ptrdiff_t weber_place = weber - task.outcomes.begin();
-  const bool has_weber = weber != task.outcomes.end() && !task.outcomes[task.registered].of_standard;
+  const std::string_view answer = task.cells.empty() ? task.outcomes[task.registered].key : "jnd";
+  const bool has_weber = weber != task.outcomes.end() && (answer == "jnd" || answer == "threshold");
   if (has_weber)
     fields.push_back(F(
         "weber", "",
