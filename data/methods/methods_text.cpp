@@ -83,20 +83,19 @@ std::string interval_words(const PairMethod& analysis) {
   return "";
 }
 
-std::string posterior_paragraph(const Protocol& protocol) {
-  const bool joint = protocol.design.procedure->joint_likelihood;
+std::string posterior_paragraph(const AdaptiveProcedure& procedure, const Protocol& protocol) {
   return fmt::format(
       "The threshold is the JND s, the difference at d' = 1, exp of the posterior mean of ln s given all answers of a "
       "condition at once{}; its interval is the middle 95 % of the posterior. The criterion k is a parameter of the model, so that the threshold does not "
       "move with it. There is no threshold while the answers "
       "say less than the prior (status too_few_answers: the posterior variance of ln s is above half of the prior's), nor "
       "where the posterior is highest at an end of the grid (status pinned_at_grid).\n",
-      joint ? ", by the response model " + model_words(protocol) : "");
+      procedure.joint_likelihood ? ", by the response model " + model_words(protocol) : "");
 }
 
 std::string adaptive_paragraph(const Protocol& protocol) {
-  if (threshold_source(protocol) == ThresholdSource::answers) return posterior_paragraph(protocol);
   const AdaptiveProcedure& procedure = *protocol.design.procedure;
+  if (threshold_source(protocol) == ThresholdSource::answers) return posterior_paragraph(procedure, protocol);
   std::string text = fmt::format("The threshold is the difference of which \"different\" is said in {:.1f} %: ",
                                  100 * adaptive_target(procedure).value_or(kNaN));
   if (procedure.kind == AdaptiveProcedure::Kind::quest)
