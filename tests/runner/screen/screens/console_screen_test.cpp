@@ -198,7 +198,7 @@ void practise(ScriptedTerminal& terminal, Screens& screens) {
   screens.check("repeated", terminal);
 
   to_question(terminal);
-  terminal.press_for("x", "STOPPED");
+  terminal.press_for("x", "See to the participant");
   screens.check_sizes("stopped", terminal);
   terminal.press_for("z", "\\[z\\] does nothing here");
   terminal.press_for("c", "What was the matter");
@@ -316,7 +316,7 @@ void present(const std::string& paced, const std::string& folder, Screens& scree
   terminal.press_for(" ", kReady);
   terminal.press_for(" ", "work: contact");
   screens.check_sizes("presenting", terminal, Letters::timed);
-  terminal.press_for("x", "STOPPED");
+  terminal.press_for("x", "See to the participant");
   terminal.press_for("q", "End this session\\?");
   terminal.press_for("q", "Reason");
   terminal.press_for(kEnter, "Stopped\\. Every answer");
