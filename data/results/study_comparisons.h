@@ -73,7 +73,7 @@ struct GroupMean {
 
 // The groups against each other, by the registered test.
 struct GroupsCompared {
-  std::string outcome, title, unit, standard;  // as OutcomeComparison
+  std::string outcome, title, unit, standard = "all";  // as OutcomeComparison
   BetweenTest test = BetweenTest::none;
   std::vector<GroupMean> means;           // by group, condition; over several conditions last
   std::vector<std::string> participants;  // the rows of table, in order

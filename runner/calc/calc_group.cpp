@@ -40,7 +40,6 @@ struct GroupOptions {
 GroupsCompared groups_compared(const GroupedLongTable& table) {
   GroupsCompared compared;
   compared.outcome = compared.title = "value";
-  compared.standard = "all";
   compared.test = table.mixed() ? BetweenTest::mixed_anova : BetweenTest::welch;
   compared.table = table.values;
   compared.comparison = compare_groups(table.values);

@@ -52,8 +52,10 @@ Json to_json(const StudyResults& results, const std::vector<Block>& blocks, cons
     out["registered_stiffness"] = to_string(registered_source(protocol));
   }
   for (const SessionHead& head : results.attendance.heads)
-    out["heads"].push_back(
-        {{"participant", head.participant}, {"session", head.session}, {"closed", head.closed}, {"hash", head.hash}});
+    out["heads"].push_back({{"participant", head.participant},
+                            {"session", head.session},
+                            {"closed", head.closed},
+                            {"hash", head.hash.empty() ? Json(nullptr) : Json(head.hash)}});
   for (const Block& block : blocks) out[block.id] = json_rows(block);
   if (results.hierarchical) {
     const StudyHierarchical& model = *results.hierarchical;

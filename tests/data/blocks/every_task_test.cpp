@@ -79,6 +79,7 @@ TEST_CASE("a column's name has one meaning wherever it stands, and no two blocks
                          "hierarchical_check",
                          "sensitivity",
                          "models",
+                         "model_cells",
                          "behaviour",
                          "cues",
                          "sureness",
@@ -127,8 +128,10 @@ TEST_CASE("every task with every procedure has estimates, a group and comparison
         CAPTURE(row, key);
         const bool there = !std::isnan(estimates.number(row, key));
         values[key] += there ? 1 : 0;
-        // The status of the tracks stands in tracks.csv; total d' has no status of its own.
-        if (outcome.key != kTrackThreshold && outcome.key != "total_dprime")
+        // The status of the tracks stands in tracks.csv.
+        if (outcome.own_status)
+          CHECK(there == (estimates.text(row, key + "_status") == "ok"));
+        else if (outcome.key != kTrackThreshold)
           CHECK((there || estimates.text(row, "status") != "ok"));
       }
     }
@@ -151,6 +154,7 @@ TEST_CASE("every task with every procedure has estimates, a group and comparison
       CHECK(std::isnan(group.number(row, "mean")) == (n == 0));
       CHECK(std::isnan(group.number(row, "ci_low")) == (n < 2));
       CHECK(group.text(row, "without").empty() == (n == group.number(row, "participants")));
+      CHECK(!group.text(row, "without").ends_with(" ok"));
     }
 
     const Block &conditions = block("conditions"), &tests = block("tests"), &pairs = block("pairs");

@@ -159,9 +159,10 @@ class Analyze(program.Shared):
     def test_all_models_stand_beside_the_registered_one(self):
         result = self.analysis("chinello2017.sqlite", "--models")
         self.assertEqual(len(result["models"]), 4 * 3 * 11)
-        self.assertEqual(len(result["cells"]), 4 * 9)
-        for cell in result["cells"]:
+        self.assertEqual(len(result["model_cells"]), 4 * 9)
+        for cell, registered in zip(result["model_cells"], result["cells"]):
             self.assertAlmostEqual(cell["raw"]["hit_rate"], cell["hits"] / cell["n_diff"], places=12)
+            self.assertEqual(cell["yes_no"]["loglinear"]["dprime"], registered["dprime"])
         self.assertNotIn("models", self.analysis("chinello2017.sqlite"))
 
     def test_another_axis_is_a_deviation(self):

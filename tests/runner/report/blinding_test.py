@@ -276,6 +276,12 @@ class Blinding(program.Case):
         copied = json.loads(self.jnd("backup", "s.sqlite", "--to", "copy.sqlite", "--json").split("\n")[0])
         self.assertEqual([len(row["head"]) for row in copied["heads"]], [64, 0])
 
+    def test_nor_has_an_open_rehearsal(self):
+        self.study("pilot", 1, 1)
+        heads = super().jnd("analyze", "s.sqlite", "--kind", "pilot", "--json", "--methods", "methods.md").json["heads"]
+        self.assertEqual([(row["closed"], row["hash"] is None) for row in heads], [(True, False), (False, True)])
+        self.assertIn("  - P02 `sealed` (not finished)\n", (self.folder / "methods.md").read_text())
+
 
 # What arguments and options take; words alone, and 1 for everything else. A new command needs nothing here.
 TAKES = {"STUDY": ["s.sqlite"], "STUDIES": [("s.sqlite", "other.sqlite")], "DAMAGED": ["s.sqlite"], "FILE": ["new"],
