@@ -18,9 +18,9 @@ constexpr double kFirstSpread = 0.3, kFirstSpreadWithin = 0.15;  // where a sear
 constexpr double kRoughFineness = 0.8, kRoughlyNegligible = 1e-4;
 // Of ln L: what nodes may err by, how much denser they are to tell, and how dense at most.
 constexpr double kExact = 1e-6, kDenser = 1.5, kDensest = 3.5;
-// Of HierarchicalLikelihood::work(), of which a second has about 1e9: for the search of everything, which takes up no other
-// start beyond the half of it.
-constexpr double kMostOfFit = 7e9, kMostOfStarts = 4e9;
+// Of HierarchicalLikelihood::work(), of which a second has about 1e9: for the climb to a maximum; and for the search, which
+// takes up no other start and no denser nodes beyond it.
+constexpr double kMostOfFit = 7e9, kMostOfStarts = 6e8;
 
 double trials_of(std::span<const HierarchicalCell> cells) {
   return std::accumulate(cells.begin(), cells.end(), 0.0,
@@ -225,7 +225,7 @@ void HierarchicalAnalysis::search(const HierarchicalPlace* near) {
     HierarchicalSearch denser(cells_, model_.response, best.shared, kDenser * fineness_, range_.criterion_unit);
     const double now = best.log_likelihood, then = denser.likelihood().at(best.place).log_likelihood;
     fit_.exact = std::abs(then - now) < kExact;
-    if (fit_.exact || kDenser * fineness_ > kDensest) break;
+    if (fit_.exact || kDenser * fineness_ > kDensest || work() > kMostOfStarts) break;
     fineness_ *= kDenser;
     spent_ += search_->work();
     search_ = std::move(denser);

@@ -46,13 +46,15 @@ enum class SharedStatus {
   zero,            // lapses, over-dispersion: the likelihood is largest at 0, the least that they can be
   at_limit,        // as large as is searched (shared_parameters.h): the answers set no bound
   not_identified,  // these answers cannot tell it, whatever they are: 0
-  not_converged    // the search with it did not settle
+  not_converged,   // the search with it did not settle
+  out_of_work      // it would have taken too long
 };
 inline constexpr auto kSharedStatusWords = words<SharedStatus>({{"ok", SharedStatus::ok},
                                                                 {"zero", SharedStatus::zero},
                                                                 {"at_limit", SharedStatus::at_limit},
                                                                 {"not_identified", SharedStatus::not_identified},
-                                                                {"not_converged", SharedStatus::not_converged}});
+                                                                {"not_converged", SharedStatus::not_converged},
+                                                                {"out_of_work", SharedStatus::out_of_work}});
 
 enum class SpreadStatus {
   ok,
@@ -151,6 +153,9 @@ struct HierarchicalFit {
 // with rougher nodes, whose ln L errs by about 1e-4.
 enum class SearchEffort { thorough, drawn };
 
+// Of one command's model: about 2 s of processor time. Intervals beyond it are by_curvature.
+inline constexpr double kCommandWork = 1.3e9;
+
 // What complete() adds to a fit.
 struct HierarchicalWish {
   bool intervals = false;                                    // of the means, and of choices of the criteria
@@ -167,6 +172,7 @@ class HierarchicalAnalysis {
                        SearchEffort effort = SearchEffort::thorough, const HierarchicalPlace* near = nullptr);
 
   const HierarchicalFit& fit() const noexcept { return fit_; }
+  double work() const noexcept { return spent_ + search_->work() + completed_; }  // so far, of everything
   // Those of the conditions that are not left out; the others have no trials.
   const std::vector<HierarchicalCell>& cells() const noexcept { return cells_; }
 
@@ -218,6 +224,7 @@ class HierarchicalAnalysis {
   std::vector<Task> tasks_of(const HierarchicalWish& wish);
   double complete_one(Task& task, double share) const;
   double complete_all(std::vector<Task>& tasks, double left, int threads);
+  void complete_by_curvature(std::vector<Task>& tasks);
   template <typename AtEnd>
   SlopeStatus status_of(double ln_s, double log_likelihood, const AtEnd& at_end) const;
 

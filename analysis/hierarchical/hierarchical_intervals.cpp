@@ -246,6 +246,25 @@ double HierarchicalAnalysis::complete_all(std::vector<Task>& tasks, double left,
   return spent;
 }
 
+// Of what was given up: the interval and the test of it by the curvature of ln L at its maximum.
+void HierarchicalAnalysis::complete_by_curvature(std::vector<Task>& tasks) {
+  const auto given_up = [](const Task& task) { return task.interval && !task.finished(); };
+  if (fit_.maximum.curvature.empty() || std::none_of(tasks.begin(), tasks.end(), given_up)) return;
+  HierarchicalMaximum best = fit_.maximum;
+  best.curvature = observed_information(search_->likelihood(), form_, best, search_->unit());
+  constexpr double kBeside = 1e-3, kQuantile = 1.959963984540054;  // of 97.5 %
+  for (Task& task : tasks) {
+    const HeldNumber& number = task.number;
+    if (!given_up(task) || number.estimate <= number.lowest || number.estimate >= number.highest) continue;
+    const double larger = kBeside * number.unit;
+    const auto [form, beside] = number.hold(number.estimate + larger, best);
+    const double error = standard_error(form, best, beside, larger, search_->unit());
+    if (std::isnan(error)) continue;
+    *task.ends = {number.estimate - kQuantile * error, number.estimate + kQuantile * error, EndsStatus::by_curvature};
+    task.drop = std::pow((number.estimate - task.tested) / error, 2) / 2;
+  }
+}
+
 const HierarchicalFit& HierarchicalAnalysis::complete(const HierarchicalWish& wish, int threads) {
   wished_.intervals = wished_.intervals || wish.intervals;
   wished_.shared = wished_.shared || wish.shared;
@@ -261,6 +280,7 @@ const HierarchicalFit& HierarchicalAnalysis::complete(const HierarchicalWish& wi
       if (task.better && (better == nullptr || task.better->log_likelihood > better->log_likelihood))
         better = &*task.better;
     if (better == nullptr || restart == kMostRestarts) {
+      complete_by_curvature(tasks);
       for (const Task& task : tasks) {
         if (task.better) *task.ends = {kNaN, kNaN, EndsStatus::not_converged};
         if (task.done && !std::isnan(task.drop)) task.done(task);

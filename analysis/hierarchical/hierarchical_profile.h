@@ -20,15 +20,17 @@ enum class EndsStatus {
   ok,
   not_computed,
   not_converged,  // an end could not be confirmed
-  out_of_work     // the searches would have taken too long (HierarchicalAnalysis): the interval is unknown
+  by_curvature,   // searches would have taken too long (HierarchicalAnalysis): from the observed information instead
+  out_of_work     // and that told nothing: the interval is unknown
 };
 inline constexpr auto kEndsStatusWords = words<EndsStatus>({{"ok", EndsStatus::ok},
                                                             {"not_computed", EndsStatus::not_computed},
                                                             {"not_converged", EndsStatus::not_converged},
+                                                            {"by_curvature", EndsStatus::by_curvature},
                                                             {"out_of_work", EndsStatus::out_of_work}});
 
 // 95 % by profile likelihood, the other parameters at their best; an end that the answers leave open is infinite. NaN
-// unless ok.
+// unless ok or by_curvature.
 struct ProfileEnds {
   double low = kNaN, high = kNaN;
   EndsStatus status = EndsStatus::not_computed;

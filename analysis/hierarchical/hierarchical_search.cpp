@@ -332,8 +332,8 @@ double standard_error(const HierarchicalForm& form, const HierarchicalMaximum& m
   return fall > 0 ? larger / std::sqrt(fall) : kNaN;
 }
 
-std::vector<double> covariance_of_means(HierarchicalLikelihood& likelihood, const HierarchicalForm& form,
-                                        const HierarchicalMaximum& maximum, double criterion_unit) {
+std::vector<double> observed_information(HierarchicalLikelihood& likelihood, const HierarchicalForm& form,
+                                         const HierarchicalMaximum& maximum, double criterion_unit) {
   constexpr double kStep = 1e-2, kHeld = 1e12;  // times its curvature: what lies at the end of what it can be
   const SearchedVariables variables(form, {maximum.place, maximum.shared}, criterion_unit);
   const SearchedLikelihood function(likelihood, form, variables, {});
@@ -344,7 +344,7 @@ std::vector<double> covariance_of_means(HierarchicalLikelihood& likelihood, cons
     const HierarchicalLikelihood::Value value = function.look(place);
     return variables.slope(value.slope, value.by_shared, place.place);
   };
-  const std::size_t n = x.size(), means = variables.means();
+  const std::size_t n = x.size();
   const std::vector<double> here = slope_at(x);
   std::vector<double> information(n * n, 0);
   for (std::size_t i = 0; i < n; ++i) {
@@ -360,6 +360,16 @@ std::vector<double> covariance_of_means(HierarchicalLikelihood& likelihood, cons
   for (std::size_t i = 0; i < n; ++i)
     if ((x[i] <= box.lower[i] && here[i] <= 0) || (x[i] >= box.upper[i] && here[i] >= 0))
       information[i * (n + 1)] = std::max(kHeld, kHeld * information[i * (n + 1)]);
+  return variables.by_number(information);
+}
+
+std::vector<double> covariance_of_means(HierarchicalLikelihood& likelihood, const HierarchicalForm& form,
+                                        const HierarchicalMaximum& maximum, double criterion_unit) {
+  const SearchedVariables variables(form, {maximum.place, maximum.shared}, criterion_unit);
+  const std::size_t n = variables.start().size(), means = variables.means();
+  const std::vector<double> information =
+      variables.of_numbers(observed_information(likelihood, form, maximum, criterion_unit));
+  if (information.empty()) return {};
   const std::vector<double> covariance = inverse_positive_definite(information, n);
   std::vector<double> of_means;
   for (std::size_t i = 0; i < means && !covariance.empty(); ++i)

@@ -113,8 +113,13 @@ class HierarchicalSearch {
 double standard_error(const HierarchicalForm& form, const HierarchicalMaximum& maximum,
                       const HierarchicalMaximum& beside, double larger, double criterion_unit);
 
-// Of the free means of the form at a maximum, everything else unknown: by the observed information, differences of the
-// slopes of ln L. Rows by free mean; empty where it has no inverse.
+// The observed information at a maximum, of what the form leaves free: differences of the slopes of ln L, and huge where a
+// number lies at the end of what it can be. As the maximum's curvature.
+std::vector<double> observed_information(HierarchicalLikelihood& likelihood, const HierarchicalForm& form,
+                                         const HierarchicalMaximum& maximum, double criterion_unit = 1);
+
+// Of the free means of the form at a maximum, everything else unknown: by the observed information. Rows by free mean;
+// empty where it has no inverse.
 std::vector<double> covariance_of_means(HierarchicalLikelihood& likelihood, const HierarchicalForm& form,
                                         const HierarchicalMaximum& maximum, double criterion_unit = 1);
 

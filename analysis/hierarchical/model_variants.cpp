@@ -11,7 +11,7 @@ namespace jnd {
 namespace {
 
 ModelVariant variant_of(VariantKind kind, std::vector<HierarchicalCell> cells, HierarchicalModel model,
-                        const SharedForm& estimated) {
+                        const SharedForm& estimated, VariantWork& work) {
   ModelVariant variant;
   variant.kind = kind;
   model.estimated = estimated;
@@ -25,12 +25,16 @@ ModelVariant variant_of(VariantKind kind, std::vector<HierarchicalCell> cells, H
     return variant;
   };
   if (!estimated.identified(cells).any()) return without_estimates(SharedStatus::not_identified);
+  if (work.left < work.of_each) return without_estimates(SharedStatus::out_of_work);
   HierarchicalAnalysis analysis(std::move(cells), model);
+  work.left -= analysis.work();
   if (!analysis.fit().maximum.converged) return without_estimates(SharedStatus::not_converged);
-  const HierarchicalFit& fit = analysis.complete({.shared = true});
+  const double most_work = analysis.work() + std::max(0.0, work.left);
+  const HierarchicalFit& fit = analysis.complete({.shared = true, .most_work = most_work});
   const bool bounded = std::all_of(fit.shared_estimates.begin(), fit.shared_estimates.end(),
                                    [](const SharedEstimate& one) { return !std::isinf(one.ends.high); });
-  if (kind != VariantKind::lapse && bounded) analysis.add_intervals();
+  if (kind != VariantKind::lapse && bounded) analysis.complete({.intervals = true, .most_work = most_work});
+  work.left = most_work - analysis.work();
   variant.shared = fit.shared_estimates;
   variant.conditions = fit.conditions;
   return variant;
@@ -69,7 +73,8 @@ std::vector<HierarchicalCell> without_halves_and_sureness(std::span<const Hierar
   return plain;
 }
 
-std::vector<ModelVariant> model_variants(std::span<const HierarchicalCell> cells, const HierarchicalModel& model) {
+std::vector<ModelVariant> model_variants(std::span<const HierarchicalCell> cells, const HierarchicalModel& model,
+                                         VariantWork work) {
   const std::vector<HierarchicalCell> plain = without_halves_and_sureness(cells);
   std::vector<HierarchicalCell> halves(cells.begin(), cells.end()), graded = plain;
   bool sure = false;
@@ -82,15 +87,16 @@ std::vector<ModelVariant> model_variants(std::span<const HierarchicalCell> cells
   std::vector<ModelVariant> variants;
   if (std::all_of(plain.begin(), plain.end(),
                   [](const HierarchicalCell& cell) { return whole(cell.positive) && whole(cell.negative); }))
-    variants.push_back(
-        variant_of(VariantKind::overdispersion, plain, model, SharedForm().with(SharedParameter::overdispersion)));
-  variants.push_back(
-      variant_of(VariantKind::drift, std::move(halves), model,
-                 SharedForm().with(SharedParameter::drift_ln_s).with(SharedParameter::drift_criterion, model.tw)));
-  variants.push_back(variant_of(VariantKind::lapse, plain, model, SharedForm().with(SharedParameter::lapse)));
+    variants.push_back(variant_of(VariantKind::overdispersion, plain, model,
+                                  SharedForm().with(SharedParameter::overdispersion), work));
+  variants.push_back(variant_of(
+      VariantKind::drift, std::move(halves), model,
+      SharedForm().with(SharedParameter::drift_ln_s).with(SharedParameter::drift_criterion, model.tw), work));
+  variants.push_back(variant_of(VariantKind::lapse, plain, model, SharedForm().with(SharedParameter::lapse), work));
   if (sure)
     variants.push_back(variant_of(VariantKind::sureness, std::move(graded), model,
-                                  SharedForm().with(SharedParameter::sure_below).with(SharedParameter::sure_above)));
+                                  SharedForm().with(SharedParameter::sure_below).with(SharedParameter::sure_above),
+                                  work));
   return variants;
 }
 

@@ -38,10 +38,16 @@ std::string_view title_of(SharedParameter parameter, bool choice) noexcept;
 // The answers as the model itself takes them: neither their half nor their sureness counts.
 std::vector<HierarchicalCell> without_halves_and_sureness(std::span<const HierarchicalCell> cells);
 
+// What variants may cost, in work of HierarchicalAnalysis; one that begins with less than of_each left is out_of_work.
+struct VariantWork {
+  double left = kInf, of_each = 0;
+};
+
 // cells: as of HierarchicalAnalysis, with halves, and sureness where it was asked. model: without anything that is
 // estimated for everybody. Over-dispersion is left out where counts are not whole numbers, drift of the criterion where
 // criteria do not differ between people (a PSE that is taken as known), and sureness where no answer was a sure one.
-std::vector<ModelVariant> model_variants(std::span<const HierarchicalCell> cells, const HierarchicalModel& model);
+std::vector<ModelVariant> model_variants(std::span<const HierarchicalCell> cells, const HierarchicalModel& model,
+                                         VariantWork work = {});
 
 // Whether there are more lapses than the model holds: the rate with its test, from near the model's maximum and roughly
 // (SearchEffort::drawn), without an interval. Not identified also where the model estimates it.

@@ -38,9 +38,11 @@ std::string_view common_meaning(std::string_view key) {
             "one stands in the middle"},
       Entry{"ci_low", "lower end of the 95 % interval of the estimate in the row; methods.md says which interval"},
       Entry{"ci_high", "upper end of that interval"},
-      Entry{"ci_status",
-            "whether that interval was found; not_computed: nobody asked, or there is no estimate; "
-            "not_converged: an end could not be confirmed; out_of_work: the search took too long"},
+      Entry{
+          "ci_status",
+          "whether that interval was found; not_computed: nobody asked, or there is no estimate; "
+          "not_converged: an end could not be confirmed; by_curvature: the search took too long, so interval and test are Wald's; "
+          "out_of_work: there is not even that one"},
       Entry{"ci_within_low",
             "lower end of the within-subject 95 % interval (Cousineau 2005, Morey 2008), for comparing "
             "conditions"},
@@ -50,7 +52,7 @@ std::string_view common_meaning(std::string_view key) {
       Entry{"p", "p of the test in the row, without correction for other tests"},
       Entry{"p_holm", "that p with Holm's correction over the rows that are tested together"},
       Entry{"p_bh", "that p with Benjamini and Hochberg's correction"},
-      Entry{"lr", "likelihood-ratio chi-square of that test"},
+      Entry{"lr", "likelihood-ratio chi-square of that test; where ci_status is by_curvature Wald's"},
       Entry{"status", "ok, or why the numbers of the row are not there"},
       Entry{"refused", "why there is no test; empty where there is one"},
       Entry{"test", "the registered test"},

@@ -26,7 +26,7 @@ constexpr const char* kCriterionMeaning =
     "criterion of the model: z of the rate of \"no\" to the noise, or of \"same\" to equal stimuli (yes_no); ln of the size "
     "from which \"different\" is said, in JNDs (differencing); z of the rate of \"same\" halfway between equal and "
     "different stimuli (independent)";
-constexpr const char* kEndsStatuses = "ok not_computed not_converged out_of_work";
+constexpr const char* kEndsStatuses = "ok not_computed not_converged by_curvature out_of_work";
 
 // What the blocks are made of.
 struct Model {
@@ -413,7 +413,7 @@ Block variants_block(const Model& model) {
       common<R>("lr", of(&SharedEstimate::lr), {.title = "chi-square"}),
       common<R>("p", of(&SharedEstimate::p), {.shown = Shown::p_value}),
       common<R>("status", [](const R& r) { return word_of(kSharedStatusWords, r.shared->status); },
-                {.levels = "ok zero at_limit not_identified not_converged"}),
+                {.levels = "ok zero at_limit not_identified not_converged out_of_work"}),
       F("shown", "", [choice](const R& r) { return std::string(title_of(r.shared->parameter, choice)); },
         {.title = "left out", .place = Place::table}),
       F("remarks", "",

@@ -24,8 +24,10 @@ constexpr std::pair<SlopeStatus, std::string_view> kSlopeMeanings[] = {
 
 constexpr std::pair<EndsStatus, std::string_view> kEndsMeanings[] = {
     {EndsStatus::not_converged, "an end could not be confirmed, so the interval is left out"},
-    {EndsStatus::out_of_work,
-     "the search for its ends was given up because it takes too long; the interval is unknown"}};
+    {EndsStatus::by_curvature,
+     "the search for its ends takes too long, so it and its test are those of Wald, from the curvature of the likelihood at "
+     "its maximum; jnd calc hierarchical --thorough searches"},
+    {EndsStatus::out_of_work, "the search for its ends takes too long; the interval is unknown"}};
 
 std::size_t levels_in(const std::vector<HierarchicalCell>& cells) {
   std::set<double> levels;
@@ -63,8 +65,8 @@ PooledLevels pooled(std::vector<HierarchicalCell>& cells) {
 
 std::string status_with_interval(std::string_view status, EndsStatus interval) {
   if (interval == EndsStatus::ok || interval == EndsStatus::not_computed) return std::string(status);
-  return fmt::format("{}{}interval {}", status == "ok" ? "" : status, status == "ok" ? "" : ", ",
-                     word_of(kEndsStatusWords, interval));
+  if (status == "ok") status = "";
+  return fmt::format("{}{}interval {}", status, status.empty() ? "" : ", ", word_of(kEndsStatusWords, interval));
 }
 
 std::string lapse_caution(const SharedEstimate& lapses) {

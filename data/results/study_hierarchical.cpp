@@ -68,7 +68,7 @@ class StudyFit {
   std::vector<HierarchicalCell> cells_of_fit() const;
   void add_spreads(const HierarchicalFit& fit);
   void set_conditions(std::vector<HierarchicalCondition>& rows, const std::vector<ConditionMean>& found) const;
-  void add_variants(const std::vector<HierarchicalCell>& cells, const HierarchicalModel& of);
+  void add_variants(const std::vector<HierarchicalCell>& cells, const HierarchicalModel& of, const VariantWork& work);
   std::vector<std::pair<std::size_t, std::size_t>> pairs() const;
   void add_ratios(const std::vector<ConditionDifference>& differences);
   void add_people(const std::vector<PersonEstimate>& people);
@@ -208,8 +208,9 @@ void StudyFit::set_conditions(std::vector<HierarchicalCondition>& rows, const st
   }
 }
 
-void StudyFit::add_variants(const std::vector<HierarchicalCell>& cells, const HierarchicalModel& of) {
-  for (ModelVariant& found : model_variants(cells, of)) {
+void StudyFit::add_variants(const std::vector<HierarchicalCell>& cells, const HierarchicalModel& of,
+                            const VariantWork& work) {
+  for (ModelVariant& found : model_variants(cells, of, work)) {
     HierarchicalVariant& one = model_.variants.emplace_back();
     one.kind = found.kind;
     one.shared = std::move(found.shared);
@@ -294,8 +295,9 @@ StudyHierarchical StudyFit::fitted(std::string separate, bool given_levels) {
   model_.gathered = pooled(answered);
   HierarchicalAnalysis fitted(without_halves_and_sureness(answered), of);
   const HierarchicalFit& fit = fitted.fit();
+  const double of_fit = fitted.work();
   const int processors = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
-  fitted.complete({.intervals = true, .pairs = pairs()}, processors);
+  fitted.complete({.intervals = true, .pairs = pairs(), .most_work = kCommandWork}, processors);
   if (!fit.maximum.converged) {
     model_.status = HierarchicalStatus::not_converged;
     model_.reason = "the search for the largest likelihood did not settle";
@@ -314,7 +316,7 @@ StudyHierarchical StudyFit::fitted(std::string separate, bool given_levels) {
   const auto people = static_cast<std::size_t>(model_.participants);
   if (has(SlopeStatus::ok) && !has(SlopeStatus::no_sensitivity, SlopeStatus::ceiling) && people >= kLeastInVariants &&
       people <= kMostInDetail)
-    add_variants(answered, of);
+    add_variants(answered, of, {kCommandWork - of_fit, 3 * of_fit});
   if (standards_.size() > 1) return model_;
   model_.equal_lr = fit.lr;
   model_.equal_p = fit.p;

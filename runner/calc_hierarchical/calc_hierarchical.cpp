@@ -27,13 +27,13 @@ namespace {
 
 // By which share the interval of ln JND is narrower than that of the same answers without their sureness; NaN where
 // one of the two has an open end.
-std::vector<double> narrower_by(const HierarchicalResult& result) {
+std::vector<double> narrower_by(const HierarchicalResult& result, double most_work) {
   std::vector<HierarchicalCell> cells = result.answers.cells;
   for (HierarchicalCell& cell : cells) cell.sure_positive = cell.sure_negative = 0;
   HierarchicalModel model = result.model;
   model.estimated = model.estimated.with(SharedParameter::sure_below, false).with(SharedParameter::sure_above, false);
   HierarchicalAnalysis analysis(std::move(cells), model);
-  const std::vector<ConditionMean>& without = analysis.add_intervals().conditions;
+  const std::vector<ConditionMean>& without = analysis.complete({.intervals = true, .most_work = most_work}).conditions;
   std::vector<double> shares;
   const auto width = [](const ConditionMean& one) { return one.ends.high - one.ends.low; };
   for (std::size_t c = 0; c < without.size(); ++c) {
@@ -77,14 +77,17 @@ int hierarchical(const HierarchicalCommand& options) {
   const int threads = options.threads > 0 ? options.threads : processors;
   std::optional<WorkLine> working(std::in_place, "fitting " + options.input.file);
   HierarchicalAnalysis analysis(result.answers.cells, result.model);
-  result.fit = analysis.complete({.intervals = true, .shared = true, .pairs = analysis.pairs()}, threads);
+  const double most_work = options.thorough ? kInf : kCommandWork;
+  result.fit = analysis.complete({.intervals = true, .shared = true, .pairs = analysis.pairs(), .most_work = most_work},
+                                 threads);
   for (const SharedEstimate& one : result.fit.shared_estimates)
     (of_sureness.has(one.parameter) ? result.sureness : result.shared).push_back(one);
-  if (result.answers.graded) result.narrower = narrower_by(result);
+  if (result.answers.graded) result.narrower = narrower_by(result, most_work);
   if (others.any()) {
     HierarchicalModel plain = result.model;
     plain.estimated = of_sureness;
-    result.without = HierarchicalAnalysis(result.answers.cells, plain).add_intervals();
+    result.without = HierarchicalAnalysis(result.answers.cells, plain)
+                         .complete({.intervals = true, .most_work = most_work}, threads);
   }
   result.lapses = lapses_beside(analysis.cells(), result.model, result.fit.maximum.place);
   if (options.people || options.input.json) result.people = analysis.people();
@@ -144,6 +147,8 @@ void add_calc_hierarchical(CommandTree& calc) {
       .show_default();
   command.add_flag("--one-jnd", options.one_jnd, "one JND for all conditions");
   command.add_flag("--people", options.people, "also each person's JND, beside the one from their answers alone");
+  command.add_flag("--thorough", options.thorough,
+                   "search for every interval, which may take minutes; otherwise those beyond 2 s are by curvature");
   command
       .add_option("--bootstrap", options.bootstrap,
                   "draw so many studies without a difference between conditions, for the test of one JND")

@@ -18,7 +18,7 @@ struct HierarchicalCommand {
   CalcInput input;
   TrialOptions trials;
   std::string task, observer = "yes-no", random = "tu,tv,tw", lapse = "0";
-  bool one_jnd = false, people = false, overdispersion = false, drift = false;
+  bool one_jnd = false, people = false, thorough = false, overdispersion = false, drift = false;
   int bootstrap = 0, check = 0, threads = 0;
   std::uint64_t seed = 1;
 };
