@@ -23,6 +23,15 @@ struct IntervalId {
   bool operator==(const IntervalId&) const = default;
 };
 
+// One number for an interval of a trial, so that every draw made in it is keyed by it: a session that is resumed, or a
+// trial that is repeated, draws what it would have drawn anyway:
+// the part of a RandomStream. sub: such as a finger, 0..255. Unique for attempts and intervals below 256.
+constexpr std::uint64_t interval_part(const IntervalId& id, int sub) noexcept {
+  return (static_cast<std::uint64_t>(static_cast<std::uint32_t>(id.trial)) << 24U) |
+         (static_cast<std::uint64_t>(id.attempt & 0xFF) << 16U) |
+         (static_cast<std::uint64_t>(id.interval & 0xFF) << 8U) | static_cast<std::uint64_t>(sub & 0xFF);
+}
+
 struct PresentRequest {
   Stimulus stimulus;
   std::optional<double> beside{};  // a second value that is felt at the same time, in a place of its own
@@ -171,6 +180,18 @@ class Rig {
 
   // Stops any presentation within two ticks, and prevents the next one until it is cleared.
   EmergencyStop stop;
+};
+
+// A connection that a rig's device depends on.
+// Thread rule: any thread.
+class RigLink {
+ public:
+  virtual ~RigLink() = default;
+  virtual DeviceLinkReport report() const = 0;
+  // What is missing, in the operator's words; empty: nothing.
+  virtual std::string missing() const = 0;
+  // From now on the stop button on the device latches `stop`, at once; null: no more. `stop` must live until then.
+  virtual void stop_with(EmergencyStop* stop) noexcept = 0;
 };
 
 }  // namespace jnd

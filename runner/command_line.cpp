@@ -1,21 +1,33 @@
 #include "runner/command_line.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <functional>
 #include <string>
 #include <vector>
 
 #include <CLI/CLI.hpp>
+#include <Eigen/Core>
+#include <SQLiteCpp/SQLiteCpp.h>
+#include <boost/version.hpp>
 #include <fmt/format.h>
+#include <hidapi.h>
+#include <nlohmann/json.hpp>
+#include <sodium.h>
+#include <sqlite3.h>
+#include <zstd.h>
 
+#include "data/files/draft.h"
 #include "protocols/version.h"
 #include "runner/calc/calc.h"
 #include "runner/cluster/cluster.h"
 #include "runner/commands/commands.h"
 #include "runner/device_commands/device_commands.h"
-#include "runner/help/help_commands.h"
+#include "runner/help/command_page.h"
+#include "runner/help/completions.h"
+#include "runner/help/help_text.h"
+#include "runner/help/manual.h"
 #include "runner/help/usage_error.h"
-#include "runner/help/version_text.h"
 #include "runner/keys/interrupt.h"
 #include "runner/study_commands/study_commands.h"
 #include "runner/terminal/command_outcome.h"
@@ -27,6 +39,87 @@
 namespace jnd {
 
 namespace {
+
+// The help of the command, with the program's closing words where it is the program itself; as wide as the terminal.
+std::string help_of(const CLI::App& command) {
+  constexpr std::size_t kWidest = 100;  // columns that are still read with ease
+  const auto columns = static_cast<std::size_t>(std::max(terminal_width(), 0));
+  const std::size_t width = std::min(columns, kWidest);
+  const std::string text = help_text(command_page(command), width);
+  return command.get_parent() == nullptr ? text + program_closing(width) : text;
+}
+
+struct HelpOptions {
+  const CLI::App* program = nullptr;
+  std::vector<std::string> words;  // of the command
+};
+
+struct CompletionsOptions {
+  const CLI::App* program = nullptr;
+  std::string shell;
+};
+
+struct ManOptions {
+  const CLI::App* program = nullptr;
+  std::string folder;
+};
+
+int command_help(const HelpOptions& options) {
+  const NamedCommand named = named_command(*options.program, options.words);
+  if (!named.problem.empty()) {
+    write_message(printable_lines(usage_message(*named.command, named.problem)));
+    return exit_code::kUsage;
+  }
+  fmt::print("{}", help_of(*named.command));
+  return exit_code::kDone;
+}
+
+int command_completions(const CompletionsOptions& options) {
+  const CommandPage program = command_page(*options.program);
+  fmt::print("{}", options.shell == "bash"  ? bash_completions(program)
+                   : options.shell == "zsh" ? zsh_completions(program)
+                                            : fish_completions(program));
+  return exit_code::kDone;
+}
+
+int command_man(const ManOptions& options) {
+  const HoldInterrupts hold;
+  const CommandPage program = command_page(*options.program);
+  const std::filesystem::path folder = options.folder;
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);  // where it cannot be made, writing into it says so
+  const std::vector<const CommandPage*> pages = all_pages(program);
+  for (const CommandPage* page : pages) {
+    Draft draft(folder / manual_file(*page), Draft::What::file, Draft::Access::everyone);
+    draft.write(manual_page(*page, program));
+    draft.replace([](const std::filesystem::path&) {});
+  }
+  fmt::print("{} manual pages in {}; read one with  man -l {}\n", pages.size(), printable(folder.string()),
+             printable((folder / manual_file(program)).string()));
+  return exit_code::kDone;
+}
+
+void add_help(CommandTree& tree) {
+  const auto [command, options] =
+      tree.add("help", "Explain a command, or list them all", "jnd help device test", command_help);
+  options.program = &tree.parent();
+  command.add_option("COMMAND", options.words, "a command and, of one that has its own, one of those; none: the list");
+}
+
+void add_completions(CommandTree& tree) {
+  const auto [command, options] =
+      tree.add("completions", "Print what makes the Tab key complete commands, options and names in a shell",
+               "jnd completions bash > ~/.local/share/bash-completion/completions/jnd", command_completions);
+  options.program = &tree.parent();
+  command.add_option("SHELL", options.shell, "whose: bash, zsh or fish").required().one_of({"bash", "zsh", "fish"});
+}
+
+void add_man(CommandTree& tree) {
+  const auto [command, options] =
+      tree.add("man", "Write the manual pages, one a command", "jnd man ~/.local/share/man/man1", command_man);
+  options.program = &tree.parent();
+  command.add_option("FOLDER", options.folder, "where they go; pages of the same names are replaced").required();
+}
 
 // In the order of the program's help.
 void add_commands(CommandTree& tree) {
@@ -91,6 +184,47 @@ int run_chosen(const std::function<int()>& chosen, const CLI::App& command) {
     write_message(fmt::format("  more:  {}\n", help_command_of(command)));
     return exit_code::kUsage;
   }
+}
+
+std::string compiler() {
+#if defined(__clang__)
+  return fmt::format("clang {}.{}.{}", __clang_major__, __clang_minor__, __clang_patchlevel__);
+#else
+  return fmt::format("g++ {}.{}.{}", __GNUC__, __GNUC_MINOR__, __GNUC_PATCHLEVEL__);
+#endif
+}
+
+// 10.2.1 from its parts in one number: major * 10000 + minor * 100 + patch, for example.
+std::string dotted(long number, long major, long minor) {
+  return fmt::format("{}.{}.{}", number / major, number / minor % (major / minor), number % minor);
+}
+
+std::string built_with() {
+  const std::string type = JND_BUILD_TYPE, sanitizers = JND_SANITIZERS;
+  return fmt::format("built with {}, {}{}", compiler(), type.empty() ? "no build type" : type,
+                     sanitizers.empty() ? "" : ", sanitizers " + sanitizers);
+}
+
+// Libraries that the loader brings: what runs now may be newer than what was there when this was compiled.
+std::string linked_libraries() {
+  return fmt::format("linked: SQLite {}, hidapi {}, zstd {}, libsodium {}", sqlite3_libversion(), hid_version_str(),
+                     ZSTD_versionString(), sodium_version_string());
+}
+
+std::string compiled_libraries() {
+  return fmt::format(
+      "compiled: Boost {}, nlohmann_json {}.{}.{}, Eigen {}.{}.{}, fmt {}, CLI11 {}, SQLiteCpp {}, "
+      "simdjson {}, md4c {}, ncurses {}",
+      dotted(BOOST_VERSION, 100'000, 100), NLOHMANN_JSON_VERSION_MAJOR, NLOHMANN_JSON_VERSION_MINOR,
+      NLOHMANN_JSON_VERSION_PATCH, EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION,
+      dotted(FMT_VERSION, 10'000, 100), CLI11_VERSION, dotted(SQLITECPP_VERSION_NUMBER, 1'000'000, 1'000),
+      JND_SIMDJSON_VERSION, JND_MD4C_VERSION, JND_NCURSES_VERSION);
+}
+
+// "jnd 0.1.0" on the first line, for scripts; below it how it was built, and the libraries. Those that are linked
+// when the program starts say their versions themselves; the others were read when it was compiled.
+std::string version_text() {
+  return fmt::format("jnd {}\n  {}\n  {}\n  {}\n", kVersion, built_with(), linked_libraries(), compiled_libraries());
 }
 
 // Reads the arguments and runs the command that they choose.

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "protocols/planning/condition_codes.h"
+#include "protocols/condition_words.h"
 #include "protocols/planning/plan.h"
 
 namespace jnd::test {

@@ -4,7 +4,7 @@
 
 #include "analysis/numerics/normal.h"
 #include "analysis/numerics/special_values.h"
-#include "analysis/thresholds/jnd_closed.h"
+#include "analysis/thresholds/jnd.h"
 
 namespace jnd {
 

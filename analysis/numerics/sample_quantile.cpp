@@ -8,8 +8,6 @@
 
 namespace jnd {
 
-namespace {}
-
 SampleQuantiles::SampleQuantiles(std::vector<double> values) : values_(std::move(values)) {
   std::sort(values_.begin(), values_.end());
 }

@@ -12,7 +12,7 @@
 #include "analysis/numerics/special_values.h"
 #include "analysis/numerics/words.h"
 #include "analysis/precision/monte_carlo.h"
-#include "analysis/thresholds/jnd_series.h"
+#include "analysis/thresholds/jnd.h"
 
 namespace jnd {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "analysis/numerics/special_values.h"
-#include "analysis/thresholds/jnd_series.h"
+#include "analysis/thresholds/jnd.h"
 
 namespace jnd {
 

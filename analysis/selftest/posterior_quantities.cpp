@@ -3,7 +3,7 @@
 #include <cmath>
 #include <string>
 
-#include "analysis/procedures/posterior_defaults.h"
+#include "analysis/procedures/posterior.h"
 #include "analysis/selftest/reference_numbers.h"
 
 namespace jnd {

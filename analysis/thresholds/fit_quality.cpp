@@ -8,8 +8,8 @@
 #include "analysis/numerics/tail_probabilities.h"
 #include "analysis/numerics/words.h"
 #include "analysis/thresholds/counts_sampler.h"
+#include "analysis/thresholds/jnd.h"
 #include "analysis/thresholds/jnd_ml.h"
-#include "analysis/thresholds/jnd_series.h"
 
 namespace jnd {
 

@@ -95,4 +95,32 @@ JndEstimate estimate_jnd(std::span<const SeriesCounts> series, double reference_
 // paper's convention.
 JndEstimate least_squares_jnd(std::span<const SeriesCounts> series, double reference_n_per_m, Correction correction);
 
+// d' per N/m: at or below this a slope is a rounding zero. At 1e-9 the JND would be 1e9 N/m.
+inline constexpr double kLeastSlope = 1e-9;
+
+// What every estimate of a threshold asks of its series, whichever the method.
+struct UsableSeries {
+  std::vector<SeriesCounts> series;  // both classes have trials
+  bool missing = false;              // some series was left out
+  bool few_trials = false;           // fewer than 10 trials in a class of some series that is used
+  bool any_information = false;      // some series has both answers
+  bool all_at_largest = false;       // in every series: every different pair found, no equal pair mistaken
+  double smallest = 0, largest = 0;  // tested differences, N/m; 0 without series
+};
+UsableSeries usable_series(std::span<const SeriesCounts> series);
+
+// Slopes in closed form, from the d' of each series (yes-no model).
+struct ClosedSlope {
+  double slope = 0;      // d' per N/m; inf at the ceiling; NaN where undefined or refused
+  bool refused = false;  // mean_of_ratios with some d' / dK <= 1e-9: a mean over a pole
+};
+
+// method: one of those that are not maximum likelihood; the others give NaN. Without any series that has both answers
+// the slope is NaN: the corrected rates of constant answers are a convention, not an observation.
+ClosedSlope closed_slope(const UsableSeries& usable, JndMethod method, Correction correction);
+
+// Gourevitch and Galanter 1967 (Psychometrika 32:25): the variance of the d' of log-linear rates, raw n in the
+// denominators. Both classes have trials.
+double loglinear_variance(const Counts& counts);
+
 }  // namespace jnd

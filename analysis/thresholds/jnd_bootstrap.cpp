@@ -5,7 +5,7 @@
 
 #include "analysis/numerics/special_values.h"
 #include "analysis/thresholds/counts_sampler.h"
-#include "analysis/thresholds/jnd_series.h"
+#include "analysis/thresholds/jnd.h"
 
 namespace jnd {
 

@@ -13,7 +13,6 @@
 #include <unistd.h>
 
 #include "analysis/numerics/stop_request.h"
-#include "data/copies/imported_events.h"
 #include "data/copies/new_file.h"
 #include "data/copies/study_writer.h"
 #include "data/log/event_body.h"

@@ -15,9 +15,9 @@
 
 #include "analysis/numerics/stop_request.h"
 #include "data/copies/damaged_file.h"
-#include "data/copies/imported_events.h"
 #include "data/copies/new_file.h"
 #include "data/copies/salvage.h"
+#include "data/copies/study_writer.h"
 #include "data/files/draft.h"
 #include "data/log/event_body.h"
 #include "data/log/telemetry.h"

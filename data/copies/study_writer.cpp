@@ -138,4 +138,8 @@ nlohmann::ordered_json kept_event(const StoredEvent& stored) {
       {"version", event.version}, {"body", event.body}, {"hash", event.hash}};
 }
 
+bool is_imported(std::string_view kind) noexcept {
+  return kind != event_kind::kStudyCreated && kind != event_kind::kSessionClosed;
+}
+
 }  // namespace jnd

@@ -58,4 +58,8 @@ class StudyWriter {
 // An event as the body of another one keeps it: {seq, kind, utc, monotonic_ns, version, body (the text), hash}.
 nlohmann::ordered_json kept_event(const StoredEvent& stored);
 
+// Whether such an event of a study's own chain goes on to hold and is appended to the new chain too: exclusions, notes,
+// unblindings and what later programs add. Only a study's creation and the closings of its sessions are written anew.
+bool is_imported(std::string_view kind) noexcept;
+
 }  // namespace jnd

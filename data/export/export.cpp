@@ -9,7 +9,6 @@
 
 #include "data/blocks/result_blocks.h"
 #include "data/export/data_package.h"
-#include "data/export/device_places.h"
 #include "data/export/export_folder.h"
 #include "data/export/export_log.h"
 #include "data/export/export_tables.h"

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "data/study/reveals.h"
+#include "data/study/problem.h"
 
 namespace jnd {
 

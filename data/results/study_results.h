@@ -7,21 +7,85 @@
 #include <string>
 #include <vector>
 
+#include "analysis/behaviour/cue_strategy.h"
+#include "analysis/behaviour/drift.h"
+#include "analysis/behaviour/order_effect.h"
+#include "analysis/behaviour/response_bias.h"
+#include "analysis/numerics/special_values.h"
+#include "analysis/ratings/sureness.h"
 #include "data/raw_trials/answer_raster.h"
 #include "data/results/attendance.h"
 #include "data/results/cue_combination.h"
 #include "data/results/questionnaire_results.h"
-#include "data/results/study_behaviour.h"
 #include "data/results/study_comparisons.h"
 #include "data/results/study_contrasts.h"
 #include "data/results/study_hierarchical.h"
-#include "data/results/study_sensitivity.h"
-#include "data/task_results/study_sureness.h"
+#include "data/study/study.h"
+#include "data/study/trial_rows.h"
 #include "data/task_results/task_results.h"
 #include "data/verify/chain_check.h"
 #include "protocols/protocol.h"
 
 namespace jnd {
+
+// The JND of a participant and condition from all degrees of sureness of all answers in one model.
+struct SurenessRow {
+  std::string participant;
+  int condition = 0;  // place in the protocol
+  int trials = 0;
+  Sureness fit;
+};
+
+// Would the conclusion change under another model, method or correction? The registered tests under one of them.
+struct SensitivityRow {
+  ThresholdMethod method;
+  bool registered = false;
+  std::vector<TaskGroupRow> group;     // of the JND, by condition
+  int n = 0;                           // participants in the tests
+  int participants = 0;                // of all
+  double omnibus_p = 0;                // NaN where there is none
+  std::vector<double> contrast_p;      // by registered contrast, adjusted as registered; NaN where there is none
+  std::vector<double> contrast_slope;  // mean paired difference of the slopes, a - b
+  std::string refused;                 // why there are no tests; empty where there are
+  // Every registered test decides as in the registered row: on the same side of alpha and, where significant, with the
+  // same sign. False where either was refused.
+  bool same_conclusion = false;
+};
+
+// Holm's p of each test over the rows of one kind: the conditions, or the participants. NaN where there is no test.
+struct BehaviourHolm {
+  double order = kNaN, bias = kNaN, drift = kNaN, session = kNaN;
+};
+
+struct BehaviourRow {
+  std::string participant;  // empty: all together
+  int condition = -1;       // place in the protocol; -1: all together
+  OrderEffect order;
+  ResponseBias bias;
+  // d' in the second half of each cell's trials against the first: what is learnt or forgotten within a block. Halves
+  // of the session would compare different series and conditions wherever those come in blocks.
+  Drift drift;
+  // Of everyone together, where the orders differ between participants: the second half of the session against the
+  // first, each series held against itself. Empty in a participant's row.
+  std::optional<StratifiedDrift> session_drift;
+  BehaviourHolm holm;
+};
+
+struct CueRow {
+  int condition = 0;
+  CueStrategy strategy;  // over the trials of all participants
+  // Participants by the cue that explains their own answers best: as many entries as cues, in the order of Cue.
+  std::vector<int> best_of;
+  int undecided = 0;  // participants for whom there was none
+};
+
+// Does the order of the intervals matter, does a participant lean towards one answer, does performance drift over the
+// session, and which of a stimulus's traces explains the answers? Counted trials only.
+struct StudyBehaviour {
+  std::vector<BehaviourRow> conditions;    // everyone together, by condition
+  std::vector<BehaviourRow> participants;  // everything of one participant, by participant
+  std::vector<CueRow> cues;                // by condition
+};
 
 struct StudyResults {
   ChainReport chains;  // of the whole study, read before anything was computed; empty where counts alone were given

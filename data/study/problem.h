@@ -1,12 +1,16 @@
-// What verify found, and whether it may be said while a study is blinded.
+// What a sentence or a column tells of a blinded study; what verify found.
 #pragma once
 
 #include <ostream>
 #include <string>
 
-#include "data/study/reveals.h"
-
 namespace jnd {
+
+// Whatever is not made with `nothing` stays sealed while a study is blinded.
+enum class Reveals {
+  nothing,  // of conditions, stimuli, answers and the seed
+  plan
+};
 
 struct Problem {
   std::string where;  // "Session P01, event 7": may always be said

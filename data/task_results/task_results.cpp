@@ -8,7 +8,7 @@
 #include "analysis/group/compare.h"
 #include "analysis/numerics/moments.h"
 #include "analysis/numerics/tail_probabilities.h"
-#include "analysis/thresholds/jnd_series.h"
+#include "analysis/thresholds/jnd.h"
 #include "data/task_results/participant_tracks.h"
 #include "protocols/planning/allotment.h"
 #include "protocols/planning/track_threshold.h"

@@ -13,6 +13,8 @@
 #include <fmt/format.h>
 
 #include "data/log/event_body.h"
+#include "data/log/telemetry.h"
+#include "data/log/trace_blob.h"
 #include "data/study/schema.h"
 #include "data/study/schema_check.h"
 #include "data/study/study_facts.h"
@@ -20,7 +22,6 @@
 #include "data/verify/chain_check.h"
 #include "data/verify/verify_fields.h"
 #include "data/verify/verify_session.h"
-#include "data/verify/verify_telemetry.h"
 #include "protocols/input/input_error.h"
 #include "protocols/input/json_text.h"
 #include "protocols/input/sha256.h"
@@ -29,6 +30,97 @@
 namespace jnd {
 
 namespace {
+
+// How many records a blob has, and how many were lost before.
+std::pair<std::int64_t, std::int64_t> held_by(const std::string& bytes) {
+  if (is_trace(bytes)) {
+    const Trace trace = decode_trace(bytes);
+    return {static_cast<std::int64_t>(trace.samples.size()), trace.dropped};
+  }
+  const Telemetry telemetry = decode_telemetry(bytes);
+  return {static_cast<std::int64_t>(telemetry.ticks.size()), telemetry.dropped};
+}
+
+// What is wrong with a stored blob, in words; empty where nothing is.
+std::string fault_of(const TelemetryBlob& stored, const TelemetryBlob& named) {
+  if (sha256_hex(stored.bytes) != named.sha256) return "was changed: its SHA-256 is not the one in the event";
+  if (stored.sha256 != named.sha256 || stored.ticks != named.ticks || stored.dropped != named.dropped)
+    return "has a SHA-256, ticks or dropped beside it that contradict the event";
+  try {
+    const auto [ticks, dropped] = held_by(stored.bytes);
+    if (ticks != named.ticks || dropped != named.dropped)
+      return fmt::format("holds {} ticks and {} dropped ones; the event says {} and {}", ticks, dropped, named.ticks,
+                         named.dropped);
+  } catch (const StorageError& error) {
+    return error.what();
+  }
+  return {};
+}
+
+// The telemetry of a study against what its events say of it.
+class TelemetryCheck {
+ public:
+  // lost: keys of what a recovery could not save; must outlive this.
+  TelemetryCheck(SQLite::Database& database, const std::set<std::string>& lost) : database_(database), lost_(lost) {}
+
+  // For every event, in the order of session and seq: recomputes the hash of each blob that its body names, and reads
+  // it. Throws StorageError where the body's "telemetry" cannot be read.
+  void check(const Event& event, const nlohmann::ordered_json& body, std::vector<Problem>& problems) {
+    const std::vector<TelemetryBlob> named = named_telemetry(body);
+    if (named.empty()) return;
+    for (const TelemetryBlob& one : named) {
+      const auto problem = [&](std::string_view what) {
+        const std::string where = fmt::format("Session {}, event {} ({})", event.session, event.seq, event.kind);
+        problems.push_back({where, fmt::format("{}: the telemetry of interval {} {}.", where, one.interval + 1, what),
+                            Reveals::nothing});
+      };
+      named_.push_back(telemetry_key(event.session, event.seq, one.interval));
+      SQLite::Statement query(
+          database_,
+          "SELECT sha256, ticks, dropped, bytes FROM telemetry WHERE session = ? AND seq = ? AND interval = ?");
+      query.bind(1, event.session);
+      query.bind(2, event.seq);
+      query.bind(3, one.interval);
+      if (!query.executeStep()) {
+        if (lost_.contains(named_.back()))
+          ++missing_;
+        else
+          problem("is missing");
+        continue;
+      }
+      ++blobs_;
+      const TelemetryBlob stored{one.interval, query.getColumn(0).getString(), query.getColumn(1).getInt64(),
+                                 query.getColumn(2).getInt64(), query.getColumn(3).getString()};
+      if (const std::string fault = fault_of(stored, one); !fault.empty()) problem(fault);
+    }
+  }
+
+  // At the end: the blobs that no event names.
+  void finish(std::vector<Problem>& problems) {
+    std::sort(named_.begin(), named_.end());
+    SQLite::Statement query(database_, "SELECT session, seq, interval FROM telemetry ORDER BY session, seq, interval");
+    while (query.executeStep()) {
+      const std::string session = query.getColumn(0).getString();
+      const std::int64_t seq = query.getColumn(1).getInt64();
+      const int interval = query.getColumn(2).getInt();
+      if (std::binary_search(named_.begin(), named_.end(), telemetry_key(session, seq, interval))) continue;
+      const std::string where = fmt::format("Session {}, event {}", session, seq);
+      problems.push_back(
+          {where,
+           fmt::format("{}: there is telemetry of interval {} that the event does not name.", where, interval + 1),
+           Reveals::nothing});
+    }
+  }
+
+  std::int64_t blobs() const noexcept { return blobs_; }
+  std::int64_t lost() const noexcept { return missing_; }  // named, and said to be lost
+
+ private:
+  SQLite::Database& database_;
+  const std::set<std::string>& lost_;
+  std::int64_t blobs_ = 0, missing_ = 0;
+  std::vector<std::string> named_;  // keys
+};
 
 using Json = nlohmann::ordered_json;
 

@@ -1,6 +1,7 @@
 #include "data/verify/verify_course.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <map>
 #include <optional>
@@ -10,7 +11,7 @@
 
 #include "data/log/body_numbers.h"
 #include "data/log/event_body.h"
-#include "data/verify/course_of_questions.h"
+#include "protocols/course/course.h"
 #include "protocols/input/json_text.h"
 #include "protocols/planning/adaptive_run.h"
 #include "protocols/tasks/task.h"
@@ -20,6 +21,88 @@ namespace jnd {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+// Why an answer cannot be one to this question; empty where it can.
+std::string fault_of(const Question& question, const Json& answer) {
+  if (answer.is_null()) return question.required ? "needs an answer and has none" : "";
+  const auto text = answer.get<std::string>();
+  if (question.kind == Question::Kind::choice)
+    return std::find(question.options.begin(), question.options.end(), text) == question.options.end()
+               ? "has an answer that is none of its options"
+               : "";
+  if (question.kind != Question::Kind::rating && question.kind != Question::Kind::number) return {};
+  double number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc() || end != text.data() + text.size()) return "has an answer that is no number";
+  return number < question.min || number > question.max ? "has an answer outside its range" : "";
+}
+
+// Which questions and breaks a protocol wants at which place of a session, and which of them the log has.
+class CourseOfQuestions {
+ public:
+  CourseOfQuestions(const Protocol& protocol, const Plan& plan)
+      : protocol_(protocol), conditions_(plan.conditions), blocks_(course_blocks(protocol, plan)) {}
+
+  // Why the body of a questionnaire.answered cannot be; empty where it can.
+  std::string answered(const Json& body) {
+    const auto id = body.at("question").get<std::string>();
+    const Json& condition = body.at("condition");
+    answered_.insert(
+        question_key(id, condition.is_null() ? "" : condition.get<std::string>(), whole_at(body, "after_trial")));
+    for (const Question& question : protocol_.questions) {
+      if (question.id != id) continue;
+      const std::string fault = fault_of(question, body.at("answer"));
+      return fault.empty() ? "" : fmt::format("question {} {}", id, fault);
+    }
+    return fmt::format("question {} is not one of the protocol's", id);
+  }
+
+  void took_break(int after_trial) { breaks_.insert(after_trial); }
+
+  // What is missing before the first trial of a block of the main part, and at the end of a session, in words.
+  std::vector<std::string> missing_before(int block) const {
+    std::vector<std::string> missing;
+    add_missing({Question::When::before_session, -1, 0}, missing);
+    for (int number = 1; number < block && number <= static_cast<int>(blocks_.size()); ++number) {
+      const CourseBlock& earlier = blocks_[static_cast<std::size_t>(number - 1)];
+      for (const CoursePage& page : pages_after(earlier)) add_missing(page, missing);
+      if (break_after(earlier, protocol_) != nullptr && !breaks_.contains(earlier.planned))
+        missing.push_back(fmt::format("the break after block {}", number));
+    }
+    return missing;
+  }
+
+  std::vector<std::string> missing_at_end() const {
+    std::vector<std::string> missing;
+    add_missing({Question::When::before_session, -1, 0}, missing);
+    for (const CourseBlock& block : blocks_)
+      for (const CoursePage& page : pages_after(block)) add_missing(page, missing);
+    add_missing({Question::When::after_session, -1, 0}, missing);
+    return missing;
+  }
+
+  // After how many trials a break is due that was not taken. main_done: answered or given up.
+  std::optional<int> missing_break_within(int main_done) const {
+    const bool due = break_within_block(main_done, protocol_) != nullptr && !breaks_.contains(main_done);
+    return due ? std::optional(main_done) : std::nullopt;
+  }
+
+ private:
+  void add_missing(const CoursePage& page, std::vector<std::string>& missing) const {
+    for (const AskedPlace& asked : questions_on(page, protocol_, conditions_)) {
+      const std::string& id = question_of(asked.question, protocol_).id;
+      const std::string condition = asked.condition < 0 ? "" : condition_name(protocol_, asked.condition);
+      if (!answered_.contains(question_key(id, condition, page.after_trial)))
+        missing.push_back(fmt::format("question {}", id));
+    }
+  }
+
+  const Protocol& protocol_;
+  std::vector<int> conditions_;      // that the participant gets
+  std::vector<CourseBlock> blocks_;  // in order, from block 1
+  std::set<std::string> answered_;   // question_key of each
+  std::set<int> breaks_;
+};
 
 // A key that came at the time-out's last instant is read a little later.
 constexpr double kTimeOutSlack_s = 0.05;

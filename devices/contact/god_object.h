@@ -13,11 +13,56 @@
 
 #include <Eigen/Core>
 
-#include "devices/contact/contact.h"
 #include "devices/contact/surface_slide.h"
 #include "devices/contact/virtual_object.h"
 
 namespace jnd {
+
+// Contact of a finger with a virtual object: where the proxy stays on the surface, which way the surface pushes, how
+// deep the finger is. GodObject finds it for shapes, JointContact for a joint.
+enum class ContactEvent { none, made, broken };
+
+struct Contact {
+  bool touching = false;
+  double penetration_m = 0;                           // along the normal, >= 0
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitX();  // unit, outward
+  Eigen::Vector3d proxy_m = Eigen::Vector3d::Zero();  // nearest point of the surface
+  ContactEvent event = ContactEvent::none;            // at this update
+};
+
+// Contact of a flexing joint with a virtual object: it is met at one angle, and how far the joint goes on is the depth.
+struct JointObject {
+  double contact_flexion_rad = 0;  // from straight
+  // What a radian beyond is called: 1 where the study's stiffness is in N/rad, the lever arm in m where it is in N/m.
+  double penetration_per_rad = 1;
+};
+
+// Thread rule: the control loop's thread. Nothing allocates.
+class JointContact {
+ public:
+  void begin(const JointObject& object) noexcept {
+    object_ = object;
+    contact_ = Contact{};
+    contact_.normal = Eigen::Vector3d::UnitZ();
+  }
+  // Contact::penetration_m is then in rad or m, as the object says; the normal is the device's own z.
+  const Contact& update(double flexion_rad) noexcept {
+    const bool touched = contact_.touching;
+    const double beyond_rad = flexion_rad - object_.contact_flexion_rad;
+    contact_.touching = beyond_rad > kSurface_rad;
+    contact_.penetration_m = contact_.touching ? beyond_rad * object_.penetration_per_rad : 0;
+    contact_.event = contact_.touching == touched ? ContactEvent::none
+                     : contact_.touching          ? ContactEvent::made
+                                                  : ContactEvent::broken;
+    return contact_;
+  }
+  const Contact& contact() const noexcept { return contact_; }
+
+ private:
+  static constexpr double kSurface_rad = 1e-12;  // less is rounding
+  JointObject object_;
+  Contact contact_;
+};
 
 // Thread rule: one thread at a time. begin may allocate; update never does.
 class GodObject {

@@ -6,8 +6,8 @@
 #include <stdexcept>
 
 #include "analysis/numerics/special_values.h"
-#include "devices/loop/interval_key.h"
 #include "devices/loop/rendering.h"
+#include "devices/rig.h"
 
 namespace jnd {
 

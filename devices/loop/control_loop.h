@@ -5,6 +5,8 @@
 // deadlines are start + n periods for ever.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <atomic>
 #include <cstdint>
 #include <map>
@@ -14,21 +16,74 @@
 
 #include "devices/clock.h"
 #include "devices/contact/god_object.h"
-#include "devices/contact/joint_contact.h"
 #include "devices/emergency_stop.h"
 #include "devices/fingertip_device.h"
 #include "devices/loop/governor.h"
 #include "devices/loop/interval_summary.h"
 #include "devices/loop/lateness.h"
-#include "devices/loop/latest_snapshot.h"
-#include "devices/loop/sensor_watch.h"
+#include "devices/loop/newest_slot.h"
 #include "devices/loop/telemetry_ring.h"
-#include "devices/loop/tick_ring.h"
 #include "devices/rig.h"
 #include "devices/tracker.h"
 #include "protocols/rigs/device_description.h"
+#include "protocols/tick_record.h"
 
 namespace jnd {
+
+// The control loop's latest state, for readers on other threads.
+using LatestSnapshot = NewestSlot<LoopSnapshot>;
+
+// Notices a force sensor that has stopped telling: its reading stays the same to the last bit while the force that is
+// given to the device goes up or down. Nothing allocates.
+class SensorWatch {
+ public:
+  // A change of force that a working sensor must notice: ten times the resolution of a cheap 8-bit one over 5 N.
+  static constexpr double kChange_n = 0.5;
+  // How long it may take: the valve and muscle of a McKibben finger answer within 100 ms.
+  static constexpr std::int64_t kPatience_ns = 150'000'000;
+
+  void begin() noexcept { *this = SensorWatch{}; }
+
+  // given_n: what the governor let through at this tick. True where the reading is no longer to be believed.
+  bool stuck(double measured_n, double given_n, std::int64_t now_ns) noexcept {
+    if (!seen_ || measured_n != measured_n_) {
+      seen_ = true;
+      measured_n_ = measured_n;
+      lowest_n_ = highest_n_ = given_n;
+      changed_ns_ = -1;
+      return false;
+    }
+    lowest_n_ = std::min(lowest_n_, given_n);
+    highest_n_ = std::max(highest_n_, given_n);
+    if (highest_n_ - lowest_n_ <= kChange_n) return false;
+    if (changed_ns_ < 0) changed_ns_ = now_ns;
+    return now_ns - changed_ns_ > kPatience_ns;
+  }
+
+ private:
+  bool seen_ = false;
+  double measured_n_ = 0, lowest_n_ = 0, highest_n_ = 0;
+  std::int64_t changed_ns_ = -1;  // since when the reading ought to have moved
+};
+
+// The last ticks of a loop, overwritten in a circle: what led to a stop. Nothing in next() allocates.
+class TickRing {
+ public:
+  static constexpr std::size_t kSize = 512;  // more than kTicksBeforeStop of each of four devices
+  void clear() noexcept { written_ = 0; }
+  TickRecord& next() noexcept { return records_[written_++ % kSize]; }
+  // Oldest first, at most `most` of them.
+  std::vector<TickRecord> in_order(std::size_t most = kSize) const {
+    std::vector<TickRecord> records;
+    for (std::size_t i = written_ - std::min({written_, kSize, most}); i < written_; ++i)
+      records.push_back(records_[i % kSize]);
+    return records;
+  }
+
+ private:
+  std::array<TickRecord, kSize> records_{};
+  std::size_t written_ = 0;
+};
 
 inline constexpr std::int64_t kPeriod_ns = 1'000'000;
 
@@ -116,5 +171,26 @@ class ControlLoop {
   bool touched_ = false;      // any finger, in this tick
   std::atomic<bool> over_{false};
 };
+
+// How punctual a loop of 1 ms has to be: one scale for jnd doctor, for readiness, and for what a session shows.
+struct LoopLimits {
+  double p99_us;         // 99th percentile of the lateness
+  double largest_us;     // lateness
+  double skipped_share;  // of the ticks that were due, 0..1
+};
+
+// Beyond one of these a warning: a tenth of a period; a period, which is a skipped tick.
+inline constexpr LoopLimits kTightLoop{.p99_us = 100, .largest_us = 1000, .skipped_share = 0};
+
+// A tick that comes this late voids its trial (command_gap): with the period before it no command for 20 ms.
+inline constexpr double kGapLateness_us = 1e-3 * static_cast<double>(kMaxAge_ns - kPeriod_ns);
+
+// At one of these the loop is unfit: one tick in a hundred is late by a period or skipped, or a tick is half as late as
+// voids a trial: who measures for seconds sees the usual largest, and a session lasts hundreds of times as long.
+inline constexpr LoopLimits kUnfitLoop{.p99_us = 1000, .largest_us = kGapLateness_us / 2, .skipped_share = 0.01};
+
+inline double skipped_share(std::int64_t ticks, std::int64_t skipped) noexcept {
+  return skipped > 0 ? static_cast<double>(skipped) / static_cast<double>(ticks + skipped) : 0;
+}
 
 }  // namespace jnd

@@ -1,7 +1,12 @@
 // What a contact should feel like: the laws of Chinello et al. 2017 (section 5.1.2), before any limit.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+
 #include <Eigen/Core>
+
+#include "protocols/rigs/device_models.h"
 
 namespace jnd {
 
@@ -26,12 +31,7 @@ constexpr double contact_force_n(double stiffness_n_per_m, double penetration_m,
   return force < 0 ? 0 : force;
 }
 
-// (38): A = (kS / 1500 + 0.4) g, in g. Above 1 g (kS > 900 N/m) the device clamps.
-constexpr double burst_amplitude_g(double stiffness_n_per_m) noexcept {
-  return stiffness_n_per_m / 1500 + 0.4;
-}
-
-// (38) read backwards: the stiffness that an amplitude stands for, N/m.
+// (38), burst_amplitude_g of device_models.h, read backwards: the stiffness that an amplitude stands for, N/m.
 constexpr double stiffness_of_amplitude_n_per_m(double amplitude_g) noexcept {
   return 1500 * (amplitude_g - 0.4);
 }
@@ -42,6 +42,11 @@ struct Tilt {
 
 // Roll and pitch that lay the platform's normal along a unit direction of the device frame, at the platform's present
 // yaw. Yaw depends on roll and pitch, so the exact tilt is reached over the ticks in which the platform turns.
-Tilt tilt_toward(const Eigen::Vector3d& normal, double sin_yaw, double cos_yaw) noexcept;
+inline Tilt tilt_toward(const Eigen::Vector3d& normal, double sin_yaw, double cos_yaw) noexcept {
+  // R e_z = Rz(yaw) (sin pitch cos roll, -sin roll, cos pitch cos roll).
+  const double x = cos_yaw * normal.x() + sin_yaw * normal.y();
+  const double y = -sin_yaw * normal.x() + cos_yaw * normal.y();
+  return {.roll_rad = -std::asin(std::clamp(y, -1.0, 1.0)), .pitch_rad = std::atan2(x, normal.z())};
+}
 
 }  // namespace jnd

@@ -1,6 +1,7 @@
 // Ticks on their way from the control loop to the thread that stores them: a queue that never makes the loop wait.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
@@ -16,7 +17,7 @@ namespace jnd {
 class TelemetryRing {
  public:
   // How many records may wait, >= 1. At 1 kHz and two fingers 16384 are eight seconds of main doing something else.
-  explicit TelemetryRing(std::size_t capacity);
+  explicit TelemetryRing(std::size_t capacity) : capacity_(std::max<std::size_t>(capacity, 1)), queue_(capacity_) {}
 
   // Producer. Never blocks or allocates. Full: the record is dropped and counted. Not enabled: nothing happens.
   void push(const TickRecord& record) noexcept {
@@ -25,7 +26,9 @@ class TelemetryRing {
   }
 
   // Consumer: appends all that waits, oldest first; returns how many.
-  std::size_t drain(std::vector<TickRecord>& records);
+  std::size_t drain(std::vector<TickRecord>& records) {
+    return queue_.consume_all([&](const TickRecord& record) { records.push_back(record); });
+  }
   // Consumer: how many were dropped since the last call.
   std::int64_t take_dropped() noexcept { return dropped_.exchange(0, std::memory_order_relaxed); }
 

@@ -2,6 +2,7 @@
 // punctuality, with numbers and with what to do. What `jnd doctor` prints.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -10,10 +11,26 @@
 #include <vector>
 
 #include "devices/check.h"
-#include "devices/machine/jitter_probe.h"
+#include "devices/clock.h"
+#include "devices/loop/lateness.h"
 #include "devices/realtime.h"
 
 namespace jnd {
+
+// How punctually this machine wakes a thread: the loop's own waiting, on absolute deadlines, without a device.
+struct JitterReport {
+  RealtimeReport realtime;
+  std::int64_t ticks = 0;     // wake-ups measured
+  std::int64_t overruns = 0;  // whole periods of 1 ms skipped
+  LatenessHistogram lateness;
+};
+
+// Wakes every millisecond (kPeriod_ns) for `seconds` (of the clock, > 0) on the calling thread, with the policy for
+// that long; ends early where `stop` is set. Throws DeviceError under `require` where the machine refuses.
+JitterReport probe_jitter(RealtimePolicy policy, double seconds, Clock& clock, const std::atomic<bool>& stop);
+
+// The same on this machine's steady clock and on a thread of its own, as the loop of a session runs.
+JitterReport probe_jitter_on_thread(RealtimePolicy policy, double seconds, const std::atomic<bool>& stop);
 
 // Each reads what it needs below `root` ("/", or a made-up tree in tests): sys, proc and dev. What a kernel does not
 // show is said and is no failure.
@@ -48,7 +65,7 @@ struct StorageFigures {
 };
 Check judge_storage(const StorageFigures& figures);
 
-// How punctual a loop of 1 kHz was, judged by devices/loop/loop_limits.h: the same figures get the same verdict
+// How punctual a loop of 1 kHz was, judged by devices/loop/control_loop.h: the same figures get the same verdict
 // wherever they were measured.
 struct LoopFigures {
   std::string what;                      // of the check
@@ -58,7 +75,7 @@ struct LoopFigures {
 };
 Check judge_loop(const LoopFigures& figures);
 std::string loop_advice(bool fifo);  // what to do about one that was not
-// The measured lateness of a 1 kHz loop without a device, judged by devices/loop/loop_limits.h.
+// The measured lateness of a 1 kHz loop without a device, judged by devices/loop/control_loop.h.
 Check judge_jitter(const JitterReport& report);
 // Its figures: "p50 8 us, p99 20 us, largest 90 us over 3000 ticks of 1 ms, 0 skipped (0 %)".
 std::string jitter_text(const JitterReport& report);

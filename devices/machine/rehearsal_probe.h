@@ -31,7 +31,7 @@ RehearsalReport probe_rehearsal(Rig& rig, const Stimulus& stimulus, double secon
 // rehearsal, independently of one another: 1 - exp(-gaps / presented_s * trial_s). Nothing where nothing was presented.
 std::optional<double> lost_trials(const RehearsalReport& report, double trial_s);
 
-// Bad where a presentation was lost; otherwise by the limits of every loop (devices/loop/loop_limits.h).
+// Bad where a presentation was lost; otherwise by the limits of every loop (devices/loop/control_loop.h).
 // trial_s: for how long a trial of usual length presents, > 0.
 Check judge_rehearsal(const RehearsalReport& report, double trial_s);
 

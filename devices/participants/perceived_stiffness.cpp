@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "devices/loop/rendering.h"
-#include "protocols/tasks/same_different_task.h"
+#include "protocols/tasks/task.h"
 
 namespace jnd {
 

@@ -20,7 +20,6 @@
 #include <vector>
 
 #include "devices/participants/simulated_participant.h"
-#include "protocols/tasks/same_different_task.h"
 #include "protocols/tasks/task.h"
 #include "protocols/vocabulary.h"
 

@@ -7,7 +7,7 @@
 
 #include <cstdint>
 
-#include "devices/mckibben/finger_flexion.h"
+#include "devices/mckibben/mckibben_device.h"
 #include "devices/participants/press_motion.h"
 #include "devices/rig.h"
 

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "devices/loop/interval_key.h"
+#include "devices/rig.h"
 #include "protocols/input/input_error.h"
 #include "protocols/random_stream.h"
 

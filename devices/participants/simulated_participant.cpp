@@ -8,8 +8,8 @@
 
 #include <fmt/format.h>
 
-#include "devices/loop/interval_key.h"
 #include "devices/participants/perceived_stiffness.h"
+#include "devices/rig.h"
 #include "protocols/input/input_error.h"
 #include "protocols/input/json_reader.h"
 #include "protocols/input/read_file.h"

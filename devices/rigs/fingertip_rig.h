@@ -10,9 +10,8 @@
 
 #include "devices/loop/control_loop.h"
 #include "devices/loop/render_thread.h"
-#include "devices/mckibben/finger_flexion.h"
+#include "devices/mckibben/mckibben_device.h"
 #include "devices/rig.h"
-#include "devices/rigs/rig_link.h"
 
 namespace jnd {
 

@@ -10,7 +10,7 @@
 #include "devices/check.h"
 #include "devices/fingertip_device.h"
 #include "devices/loop/governor.h"
-#include "devices/mckibben/finger_flexion.h"
+#include "devices/mckibben/mckibben_device.h"
 #include "protocols/rigs/rig_description.h"
 
 namespace jnd {

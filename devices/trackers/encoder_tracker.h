@@ -1,6 +1,8 @@
 // The tracker of a rig that measures the finger itself: the encoder in a McKibben finger's joint.
 #pragma once
 
+#include <cmath>
+
 #include "devices/mckibben/mckibben_device.h"
 #include "devices/participants/simulated_flexion.h"
 #include "devices/tracker.h"
@@ -17,7 +19,13 @@ class EncoderTracker final : public Tracker {
   void begin(const PresentRequest& request, std::int64_t start_ns) override { finger_.begin(request, start_ns); }
 
   // The loop has read the device in the same tick: its angle is of now_ns.
-  bool read(int /*finger*/, std::int64_t now_ns, FingerPose& pose) noexcept override;
+  bool read(int /*finger*/, std::int64_t now_ns, FingerPose& pose) noexcept override {
+    pose.flexion_rad = device_.joint_angle_rad() - straight_rad_;
+    // World frame: x forward, z up, the joint at the origin; flexion lowers the fingertip.
+    pose.position_m = {lever_arm_m_ * std::cos(pose.flexion_rad), 0, -lever_arm_m_ * std::sin(pose.flexion_rad)};
+    pose.time_ns = now_ns;
+    return true;
+  }
 
  private:
   const MckibbenDevice& device_;

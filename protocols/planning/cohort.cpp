@@ -13,7 +13,6 @@
 #include "protocols/planning/order.h"
 #include "protocols/planning/plan.h"
 #include "protocols/tasks/level_source.h"
-#include "protocols/tasks/same_different_task.h"
 #include "protocols/tasks/task.h"
 
 namespace jnd {

@@ -11,7 +11,6 @@
 #include "analysis/numerics/decimal_order.h"
 #include "protocols/planning/allotment.h"
 #include "protocols/planning/order.h"
-#include "protocols/planning/run_limit.h"
 #include "protocols/random_stream.h"
 #include "protocols/tasks/level_source.h"
 #include "protocols/tasks/task.h"

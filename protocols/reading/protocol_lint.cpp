@@ -11,7 +11,7 @@
 namespace jnd {
 namespace {
 
-// Beyond this the counts of sequences in a block leave the range of double (protocols/planning/run_limit.h).
+// Beyond this the counts of sequences in a block leave the range of double (protocols/planning/order.h).
 constexpr int kMostTrialsOfLimitedBlock = 1000;
 constexpr int kMostTrialsOfSession = 10000;
 constexpr std::size_t kMostPermuted = 8;  // 8! = 40320 orders

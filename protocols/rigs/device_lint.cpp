@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <set>
 #include <string>
 
@@ -15,6 +16,48 @@ namespace jnd {
 
 namespace {
 
+constexpr double kPressSd_m = 0.001;
+constexpr double kPressSdOfJoint = 0.2;  // of the expected depth
+constexpr double kHandPeriod_s = 1, kJointPeriod_s = 2;
+constexpr int kDepths = 400;  // equally probable ones, in place of the distribution: the share is good to 0.1 %
+
+bool flexes_joint(const Protocol& protocol) noexcept {
+  return protocol.rig.contact_flexion_rad > 0;
+}
+
+}  // namespace
+
+double depth_at_force_limit(double stiffness, const DeviceSpec& spec, double force_gain) noexcept {
+  return spec.max_force_n / (force_gain * stiffness);
+}
+
+double expected_press_sd(const Protocol& protocol) noexcept {
+  return flexes_joint(protocol) ? kPressSdOfJoint * protocol.stimulus.expected_press : kPressSd_m;
+}
+
+double expected_saturated_intervals(double stiffness, const Protocol& protocol, const DeviceSpec& spec,
+                                    double force_gain) noexcept {
+  const double period_s = flexes_joint(protocol) ? kJointPeriod_s : kHandPeriod_s;
+  const double presses = std::max(1.0, std::floor(protocol.timeline.explore_s / period_s)) *
+                         static_cast<double>(protocol.rig.fingers.size());
+  const double margin = depth_at_force_limit(stiffness, spec, force_gain) - protocol.stimulus.expected_press;
+  return 1 - std::pow(normal_cdf(margin / expected_press_sd(protocol)), presses);
+}
+
+double expected_saturated_share(double stiffness, const Protocol& protocol, const DeviceSpec& spec,
+                                double force_gain) noexcept {
+  const double limit = depth_at_force_limit(stiffness, spec, force_gain);
+  double sum = 0;
+  for (int i = 0; i < kDepths; ++i) {
+    const double depth =
+        protocol.stimulus.expected_press + expected_press_sd(protocol) * normal_quantile((i + 0.5) / kDepths);
+    if (depth > limit) sum += 1 - std::asin(limit / depth) / (std::numbers::pi / 2);
+  }
+  return sum / kDepths;
+}
+
+namespace {
+
 // A lint in the making: what is asked, of which rig, and what was found.
 struct DeviceLinting {
   const Protocol& protocol;
@@ -24,21 +67,62 @@ struct DeviceLinting {
   const AdaptiveProcedure* procedure = nullptr;  // null where the levels are given
   DeviceLint lint = {};
 
-  void error(const std::string& path, std::string message, std::string suggestion);
-  void warn(const std::string& path, std::string message, std::string suggestion);
+  void error(const std::string& path, std::string message, std::string suggestion) {
+    lint.errors.push_back(diagnostic_at_path(root, file, path, std::move(message), std::move(suggestion)));
+  }
+  void warn(const std::string& path, std::string message, std::string suggestion) {
+    lint.warnings.push_back(diagnostic_at_path(root, file, path, std::move(message), std::move(suggestion)));
+  }
 
-  bool any(bool Cues::*cue) const;       // does any condition have it?
-  std::set<double> stiffnesses() const;  // of all series
+  // Does any condition have it?
+  bool any(bool Cues::*cue) const {
+    return std::any_of(protocol.conditions.begin(), protocol.conditions.end(),
+                       [cue](const Condition& condition) { return condition.cues.*cue; });
+  }
+  // Of all series.
+  std::set<double> stiffnesses() const {
+    std::set<double> all;
+    for (const Series& series : protocol.series) {
+      all.insert(series.pair.begin(), series.pair.end());
+      all.insert(series.levels.begin(), series.levels.end());
+    }
+    if (procedure != nullptr)
+      for (const double start : procedure->starts) all.insert(plain_sum(protocol.stimulus.reference, -start));
+    if (protocol.explore) all.insert(protocol.stimulus.reference);
+    return all;
+  }
   bool in_metres() const { return protocol.stimulus.unit == Unit::n_per_m; }
   std::string_view unit() const { return to_string(protocol.stimulus.unit); }
-  std::string depth(double value) const;  // "5.22 mm" or "0.240 rad"
-  std::string press_path() const;         // of the expected press
+  // "5.22 mm" or "0.240 rad"
+  std::string depth(double value) const {
+    return in_metres() ? fmt::format("{:.2f} mm", 1e3 * value) : fmt::format("{:.3f} rad", value);
+  }
+  // Of the expected press.
+  std::string press_path() const {
+    return fmt::format("$.stimulus.expected_press_{}", length_suffix(protocol.stimulus.unit));
+  }
   // Where the stiffnesses of a series are written; beside an adaptive procedure, which makes its own series: its clamp
   // or its levels.
-  std::string series_path() const;
-  std::string pair_path(std::size_t series) const;
-  std::string stiffness_path(std::size_t series, std::size_t of_pair) const;
-  std::string objects(bool plural) const;  // "spheres" where they are spheres
+  std::string series_path() const {
+    if (procedure != nullptr) return limits_path(*procedure);
+    return std::string(task_of(protocol.task.kind).values_path());
+  }
+  std::string pair_path(std::size_t series) const {
+    const bool pairs = task_of(protocol.task.kind).has_pairs() && procedure == nullptr;
+    return pairs ? fmt::format("{}[{}].pair", series_path(), series) : series_path();
+  }
+  // The pair of a procedure is the comparison of the largest level, and the reference.
+  std::string stiffness_path(std::size_t series, std::size_t of_pair) const {
+    if (!task_of(protocol.task.kind).has_pairs()) return series_path();
+    if (procedure == nullptr) return fmt::format("{}[{}]", pair_path(series), of_pair);
+    if (of_pair != 0) return "$.stimulus.reference";
+    return procedure->kind == AdaptiveProcedure::Kind::posterior ? series_path() : series_path() + "[1]";
+  }
+  // "spheres" where they are spheres
+  std::string objects(bool plural) const {
+    const bool spheres = rig.kinaesthetic() == nullptr && protocol.rig.object.empty() && !protocol.explore;
+    return std::string(spheres ? "sphere" : "object") + (plural ? "s" : "");
+  }
 
   // Force asked of a device per force of the contact. A McKibben finger gives the torque of a contact, k L x, out of
   // its own lever arm l: L / l.
@@ -204,66 +288,6 @@ void warn_about_vibrations(DeviceLinting& linting, const DeviceSpec& spec) {
 }
 
 }  // namespace
-
-void DeviceLinting::error(const std::string& path, std::string message, std::string suggestion) {
-  lint.errors.push_back(diagnostic_at_path(root, file, path, std::move(message), std::move(suggestion)));
-}
-
-void DeviceLinting::warn(const std::string& path, std::string message, std::string suggestion) {
-  lint.warnings.push_back(diagnostic_at_path(root, file, path, std::move(message), std::move(suggestion)));
-}
-
-bool DeviceLinting::any(bool Cues::*cue) const {
-  return std::any_of(protocol.conditions.begin(), protocol.conditions.end(),
-                     [cue](const Condition& condition) { return condition.cues.*cue; });
-}
-
-std::set<double> DeviceLinting::stiffnesses() const {
-  std::set<double> all;
-  for (const Series& series : protocol.series) {
-    all.insert(series.pair.begin(), series.pair.end());
-    all.insert(series.levels.begin(), series.levels.end());
-  }
-  if (procedure != nullptr)
-    for (const double start : procedure->starts) all.insert(plain_sum(protocol.stimulus.reference, -start));
-  if (protocol.explore) all.insert(protocol.stimulus.reference);
-  return all;
-}
-
-std::string DeviceLinting::depth(double value) const {
-  return in_metres() ? fmt::format("{:.2f} mm", 1e3 * value) : fmt::format("{:.3f} rad", value);
-}
-
-std::string DeviceLinting::press_path() const {
-  return fmt::format("$.stimulus.expected_press_{}", length_suffix(protocol.stimulus.unit));
-}
-
-std::string DeviceLinting::series_path() const {
-  if (procedure != nullptr) return limits_path(*procedure);
-  return std::string(task_of(protocol.task.kind).values_path());
-}
-
-std::string DeviceLinting::pair_path(std::size_t series) const {
-  const bool pairs = task_of(protocol.task.kind).has_pairs() && procedure == nullptr;
-  return pairs ? fmt::format("{}[{}].pair", series_path(), series) : series_path();
-}
-
-// The pair of a procedure is the comparison of the largest level, and the reference.
-std::string DeviceLinting::stiffness_path(std::size_t series, std::size_t of_pair) const {
-  if (!task_of(protocol.task.kind).has_pairs()) return series_path();
-  if (procedure == nullptr) return fmt::format("{}[{}]", pair_path(series), of_pair);
-  if (of_pair != 0) return "$.stimulus.reference";
-  return procedure->kind == AdaptiveProcedure::Kind::posterior ? series_path() : series_path() + "[1]";
-}
-
-std::string DeviceLinting::objects(bool plural) const {
-  const bool spheres = rig.kinaesthetic() == nullptr && protocol.rig.object.empty() && !protocol.explore;
-  return std::string(spheres ? "sphere" : "object") + (plural ? "s" : "");
-}
-
-double burst_amplitude_g(double stiffness_n_per_m) noexcept {
-  return stiffness_n_per_m / 1500 + 0.4;
-}
 
 namespace {
 

@@ -6,10 +6,33 @@
 
 #include "protocols/input/input_error.h"
 #include "protocols/protocol.h"
-#include "protocols/rigs/press_saturation.h"
+#include "protocols/rigs/device_description.h"
 #include "protocols/rigs/rig_description.h"
 
 namespace jnd {
+
+// Presses on a virtual object, and how much of them a device's force limit takes away. Depths and stiffnesses are in
+// the study's unit: m and N/m, or rad and N/rad.
+//
+// A press is half a sine in time. Depths are Gaussian: the protocol's expected press with a standard deviation of 1 mm,
+// one press a second, on every finger of a hand; or, where a joint flexes, of a fifth of it, one press in two seconds
+// (the 0.5 Hz of the McKibben paper's tests).
+//
+// force_gain: force asked of the device per force of the contact; of a joint, the ratio of two lever arms.
+
+// The depth at which the force limit is reached: max_force / (force_gain stiffness).
+double depth_at_force_limit(double stiffness, const DeviceSpec& spec, double force_gain = 1) noexcept;
+
+// Standard deviation of the depth of presses.
+double expected_press_sd(const Protocol& protocol) noexcept;
+
+// The share of intervals, 0..1, in which at least one press goes deeper than the force limit allows.
+double expected_saturated_intervals(double stiffness, const Protocol& protocol, const DeviceSpec& spec,
+                                    double force_gain = 1) noexcept;
+
+// The share of contact time, 0..1, that is spent deeper than that, over all presses.
+double expected_saturated_share(double stiffness, const Protocol& protocol, const DeviceSpec& spec,
+                                double force_gain = 1) noexcept;
 
 struct DeviceLint {
   std::vector<Diagnostic> errors;    // the study could not measure what it says
@@ -25,9 +48,6 @@ struct DeviceLint {
 // be rendered at 1 kHz. Warnings: presses beyond the force limit, or sometimes beyond the range; clamped vibrations;
 // stiffnesses that a position-controlled platform compresses, or that rely on more than the finger's own damping.
 DeviceLint lint_against_device(const Protocol& protocol, const RigSpec& rig, const std::string& file);
-
-// Amplitude of the contact burst in g, unclamped: k / 1500 + 0.4 (Chinello et al. 2017, equation 38).
-double burst_amplitude_g(double stiffness_n_per_m) noexcept;
 
 // Viscosity and stiffness at the fingertip that a finger's own damping keeps passive at the loop's rate: b > K T / 2 +
 // |B| (Colgate and Schenkel 1997), with T of one period of 1 ms and one of delay. The damping needed, in N s/m or N

@@ -8,6 +8,12 @@
 
 namespace jnd {
 
+// Amplitude of the contact burst, A = (kS / 1500 + 0.4) g, in g, unclamped (Chinello et al. 2017, equation 38). Above 1 g
+// (kS > 900 N/m) the device clamps.
+constexpr double burst_amplitude_g(double stiffness_n_per_m) noexcept {
+  return stiffness_n_per_m / 1500 + 0.4;
+}
+
 enum class DeviceModel { rrs3, mckibben };
 
 // The most that a device of a model is ever given: a description may lower a limit, never raise it. The reader of

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "analysis/numerics/decimal_order.h"
-#include "analysis/procedures/posterior_defaults.h"
+#include "analysis/procedures/posterior.h"
 
 namespace jnd {
 namespace {

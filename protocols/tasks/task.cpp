@@ -9,19 +9,39 @@
 
 #include <fmt/format.h>
 
-#include "protocols/tasks/abx_task.h"
-#include "protocols/tasks/adjust_task.h"
 #include "protocols/tasks/arrangements.h"
 #include "protocols/tasks/catch_trials.h"
-#include "protocols/tasks/explore_task.h"
-#include "protocols/tasks/identify_task.h"
-#include "protocols/tasks/magnitude_task.h"
-#include "protocols/tasks/oddity_task.h"
-#include "protocols/tasks/same_different_task.h"
-#include "protocols/tasks/which_task.h"
-#include "protocols/tasks/yes_no_task.h"
 
 namespace jnd {
+
+// Each in its own file.
+const Task& same_different_task() noexcept;
+const Task& which_task() noexcept;
+const Task& yes_no_task() noexcept;
+const Task& identify_task() noexcept;
+const Task& oddity_task() noexcept;
+const Task& abx_task() noexcept;
+const Task& magnitude_task() noexcept;
+const Task& adjust_task() noexcept;
+
+namespace {
+
+// Free interaction: objects are handled for a set time in each condition, then a questionnaire asks.
+class ExploreTask final : public Task {
+ public:
+  TaskKind kind() const noexcept override { return TaskKind::explore; }
+  std::string_view summary() const noexcept override { return "free interaction, then a questionnaire"; }
+  bool has_trials() const noexcept override { return false; }
+  std::string_view values_path() const noexcept override { return "$.stimulus.reference"; }
+  void read(JsonReader&, TaskSpec&) const override {}
+  int intervals(const TaskSpec&) const noexcept override { return 0; }
+  std::vector<TaskOutcome> outcomes(const Protocol&) const override { return {}; }
+  TaskEstimates estimate(const Protocol&, const Series&, std::span<const AnsweredTrial>) const override {
+    return {"no_trials", {}};
+  }
+};
+
+}  // namespace
 
 std::string Task::without_model(const Protocol&) const {
   return fmt::format("the task \"{}\"", to_string(kind()));
@@ -101,17 +121,10 @@ std::string Task::target_word(const Trial& trial, const TaskSpec& spec) const {
 }
 
 std::span<const Task* const> all_tasks() noexcept {
-  static const SameDifferentTask same_different;
-  static const WhichTask which;
-  static const YesNoTask yes_no;
-  static const IdentifyTask identify;
-  static const OddityTask oddity;
-  static const AbxTask abx;
-  static const MagnitudeTask magnitude;
-  static const AdjustTask adjust;
   static const ExploreTask explore;
-  static const std::array<const Task*, 9> all = {&same_different, &which,  &yes_no, &identify, &oddity, &abx,
-                                                 &magnitude,      &adjust, &explore};
+  static const std::array<const Task*, 9> all = {&same_different_task(), &which_task(),  &yes_no_task(),
+                                                 &identify_task(),       &oddity_task(), &abx_task(),
+                                                 &magnitude_task(),      &adjust_task(), &explore};
   return all;
 }
 

@@ -5,7 +5,7 @@
 // A trial belongs to one of the task's classes (Trial::target), and an answer says one of them (Answer::said): it is
 // correct where the two are the same, and neither where the trial has none (-1).
 //
-// Free interaction is a task without trials (explore_task.h). Who sets the levels is asked of level_source.h.
+// Free interaction is a task without trials. Who sets the levels is asked of level_source.h.
 //
 // A new task is a class here, its word in TaskKind, its place in task.cpp, a shipped protocol and its tests.
 #pragma once
@@ -23,6 +23,9 @@
 namespace jnd {
 
 class JsonReader;
+
+// Classes of the task of two intervals, "are the two the same?".
+inline constexpr int kClassSame = 0, kClassDifferent = 1;
 
 // A contradiction in a protocol, at a JSON path.
 struct TaskProblem {

@@ -17,7 +17,6 @@
 #include "protocols/input/input_error.h"
 #include "runner/calc/calc.h"
 #include "runner/calc/calc_output.h"
-#include "runner/calc/csv_counts.h"
 #include "runner/calc/trials_input.h"
 #include "runner/results/block_output.h"
 #include "runner/terminal/exit_code.h"

@@ -2,12 +2,15 @@
 // Other columns are passed over. Those of trials.csv of `jnd export` need not be named.
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "analysis/detection/counts.h"
+#include "protocols/input/csv_table.h"
 #include "runner/terminal/command_tree.h"
 
 namespace jnd {
@@ -87,5 +90,9 @@ struct TrialCount {
   int sure_k = 0, sure_others = 0;  // of the counted answers, and of the others
 };
 std::vector<std::vector<TrialCount>> count_trials(const TrialTable& table);  // of each unit
+
+// A row of counts: columns n_diff, hits, n_same, false_alarms. Throws InputError, located, where a count is not a whole
+// number of 0 or more, or more answers were counted than trials.
+Counts counts_of(const CsvTable& table, std::size_t row);
 
 }  // namespace jnd

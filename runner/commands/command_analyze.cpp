@@ -1,10 +1,16 @@
 // jnd analyze: the registered analysis of a study, what stands beside it, and the methods in words.
 #include <algorithm>
 #include <array>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <optional>
+#include <string>
 
 #include <fmt/format.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include "data/blocks/result_blocks.h"
 #include "data/export/export_folder.h"
@@ -22,7 +28,7 @@
 #include "runner/results/result_format.h"
 #include "runner/terminal/exit_code.h"
 #include "runner/terminal/json_output.h"
-#include "runner/terminal/pager.h"
+#include "runner/terminal/other_programs.h"
 #include "runner/terminal/standard_streams.h"
 #include "runner/terminal/terminal.h"
 #include "runner/terminal/work_line.h"
@@ -118,6 +124,67 @@ std::string results_text(const StudyResults& results, const std::vector<Block>& 
     text += dim(
         fmt::format("Above {} participants other methods and the manner of answering are left out.\n", kMostInDetail));
   return shown ? text : text + rest_text(blocks, options.study);
+}
+
+constexpr int kNotStarted = 126, kNotFound = 127;  // what a shell ends with where it could not run the command
+
+std::string environment(const char* name) {
+  const char* const value = std::getenv(name);
+  return value == nullptr ? std::string() : value;
+}
+
+// Empty for none.
+std::string pager() {
+  for (const char* const name : {"JND_PAGER", "PAGER"})
+    if (std::getenv(name) != nullptr) return environment(name) == "cat" ? std::string() : environment(name);
+  return is_on_path("less") ? "less" : "";
+}
+
+bool longer_than_terminal(const std::string& text) {
+  return std::count(text.begin(), text.end(), '\n') >= terminal_rows();
+}
+
+// While one lives, Ctrl-C is the pager's, and a pager that has ended is no signal.
+class LeaveSignalsToPager {
+ public:
+  LeaveSignalsToPager() {
+    struct sigaction ignored {};
+    ignored.sa_handler = SIG_IGN;
+    for (std::size_t i = 0; i < kSignals.size(); ++i) sigaction(kSignals[i], &ignored, &before_[i]);
+  }
+  ~LeaveSignalsToPager() {
+    for (std::size_t i = 0; i < kSignals.size(); ++i) sigaction(kSignals[i], &before_[i], nullptr);
+  }
+  LeaveSignalsToPager(const LeaveSignalsToPager&) = delete;
+  LeaveSignalsToPager& operator=(const LeaveSignalsToPager&) = delete;
+
+ private:
+  static constexpr std::array kSignals = {SIGPIPE, SIGINT};
+  std::array<struct sigaction, kSignals.size()> before_{};
+};
+
+// False where it was not shown.
+bool shown_by(const std::string& command, const std::string& text) {
+  std::fflush(stdout);
+  // For a less that the user names: with colours, and gone by itself where all fits.
+  constexpr int kUnlessSet = 0;
+  setenv("LESS", "FRX", kUnlessSet);
+  // The user's own command, as git and man run it.
+  std::FILE* const pipe = popen(command.c_str(), "w");  // NOLINT(cert-env33-c)
+  if (pipe == nullptr) return false;
+  const LeaveSignalsToPager signals;  // from here on: the pager itself obeys them
+  std::fwrite(text.data(), 1, text.size(), pipe);
+  const int status = pclose(pipe);
+  return !(WIFEXITED(status) && (WEXITSTATUS(status) == kNotFound || WEXITSTATUS(status) == kNotStarted));
+}
+
+// Prints the text on standard output. Where that is a terminal with fewer lines than the text, through $JND_PAGER, else
+// $PAGER, else less where it is installed ("cat" or an empty name: none). A reader who leaves the pager early
+// misses the rest; a pager that cannot be started is done without.
+void print_paged(const std::string& text) {
+  if (is_terminal(STDOUT_FILENO) && longer_than_terminal(text))
+    if (const std::string command = pager(); !command.empty() && shown_by(command, text)) return;
+  fmt::print("{}", text);
 }
 
 int analyze_blinded(const Study& study, const Protocol& protocol, SessionKind kind, const AnalyzeOptions& options) {

@@ -12,7 +12,6 @@
 #include "protocols/tasks/task.h"
 #include "runner/commands/commands.h"
 #include "runner/commands/new_protocol.h"
-#include "runner/commands/readable_json.h"
 #include "runner/commands/starting_protocol.h"
 #include "runner/keys/interrupt.h"
 #include "runner/terminal/exit_code.h"

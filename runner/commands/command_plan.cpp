@@ -4,10 +4,10 @@
 #include <nlohmann/json.hpp>
 
 #include "data/study/blinding.h"
+#include "protocols/condition_words.h"
 #include "protocols/planning/adaptive_run.h"
 #include "protocols/planning/allotment.h"
 #include "protocols/planning/cohort.h"
-#include "protocols/planning/condition_codes.h"
 #include "protocols/planning/plan.h"
 #include "protocols/protocol.h"
 #include "protocols/tasks/task.h"

@@ -1,9 +1,13 @@
 // jnd report: a study as a page for people.
+#include <array>
 #include <charconv>
+#include <cstdlib>
 #include <filesystem>
+#include <string>
 #include <utility>
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include "data/blocks/result_blocks.h"
 #include "data/fields/number_text.h"
@@ -19,7 +23,7 @@
 #include "runner/report/report_files.h"
 #include "runner/report/report_page.h"
 #include "runner/terminal/exit_code.h"
-#include "runner/terminal/open_page.h"
+#include "runner/terminal/other_programs.h"
 #include "runner/terminal/standard_streams.h"
 #include "runner/terminal/terminal.h"
 #include "runner/terminal/work_line.h"
@@ -80,6 +84,17 @@ ShownPresses presses_of(const Study& study, const Protocol& protocol, const std:
   ShownPresses shown{.trials = {}, .chosen = true};
   for (const std::string& text : options.presses) shown.trials.push_back(chosen_press(study, protocol, sessions, text));
   return shown;
+}
+
+// Through $BROWSER where that is set, else xdg-open; does not wait for it. False where it cannot be started.
+bool open_page(const std::filesystem::path& page) {
+  const char* const browser = std::getenv("BROWSER");
+  std::string program = browser == nullptr || *browser == '\0' ? "xdg-open" : browser;
+  std::string file = std::filesystem::absolute(page).string();
+  const std::array<char*, 3> arguments = {program.data(), file.data(), nullptr};
+  const QuietSpawn quiet;
+  pid_t child = 0;
+  return posix_spawnp(&child, program.c_str(), &quiet.files, &quiet.attributes, arguments.data(), environ) == 0;
 }
 
 void show_page(const std::filesystem::path& page, const ReportOptions& options) {

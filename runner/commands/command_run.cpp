@@ -1,29 +1,34 @@
 // jnd run: a session from this terminal. On simulated devices it is a rehearsal: kind pilot with a person at the keys,
 // kind simulated where a profile answers. On specimens, which the operator hands over, it is real.
+#include <utility>
+
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include "data/log/event_body.h"
 #include "data/log/replay.h"
 #include "data/log/storage_error.h"
 #include "data/study/blinding.h"
 #include "devices/hid/buttons/button_box.h"
+#include "devices/hid/hidapi_bus.h"
 #include "devices/rigs/rig_factory.h"
+#include "devices/rigs/rig_file.h"
 #include "protocols/input/resources.h"
 #include "protocols/planning/plan.h"
 #include "protocols/reading/translation.h"
 #include "runner/commands/commands.h"
-#include "runner/console/console.h"
+#include "runner/console/console_lines.h"
+#include "runner/console/session_console.h"
 #include "runner/console/session_summary.h"
 #include "runner/events/event_feed.h"
 #include "runner/keys/interrupt.h"
 #include "runner/keys/keyboard.h"
-#include "runner/opening/chosen_rig.h"
 #include "runner/opening/participant_names.h"
 #include "runner/opening/readiness.h"
 #include "runner/opening/rig_source.h"
 #include "runner/opening/session_opening.h"
 #include "runner/opening/study_access.h"
-#include "runner/screen/make_console.h"
+#include "runner/screen/screen_display.h"
 #include "runner/session/fast_clock.h"
 #include "runner/session/rig_connections.h"
 #include "runner/session/session_engine.h"
@@ -37,6 +42,65 @@
 namespace jnd {
 
 namespace {
+
+struct ChosenRig {
+  std::unique_ptr<const RigSource> own;  // null: the one that is set
+  RigFile file;                          // empty where none was given
+  const RigSource& source() const noexcept { return own ? *own : rig_source(); }
+};
+
+struct ChosenButtons {
+  std::unique_ptr<HidBus> bus;
+  std::unique_ptr<ButtonBox> box;  // null: the keyboard answers
+};
+
+// rig: "simulated", "hid", "specimens", or a rig file (--rig); fast: time is to be skipped. Throws UsageError, InputError, and
+// DeviceError where the system's HID cannot be used.
+ChosenRig choose_rig(const std::string& rig, bool fast) {
+  ChosenRig chosen;
+  if (rig == "simulated") return chosen;
+  if (rig == "specimens") {
+    chosen.own = make_specimen_rigs();
+    return chosen;
+  }
+  if (fast)
+    throw UsageError(
+        "--fast skips time, and devices and other programs do not: leave it out, or rehearse with --rig simulated (the default)");
+  if (rig != "hid") chosen.file = load_rig_file(rig);
+  chosen.own = chosen.file.external ? make_laboratory_rigs(*chosen.file.external) : make_hid_rigs(chosen.file);
+  return chosen;
+}
+
+// mapping: a file of `jnd device learn-buttons` (--buttons); empty: the rig file's. Waits until the box is there;
+// throws InputError and DeviceError.
+ChosenButtons choose_buttons(const std::filesystem::path& mapping, const RigFile& rig) {
+  ChosenButtons chosen;
+  const std::filesystem::path& file = mapping.empty() ? rig.buttons : mapping;
+  if (file.empty()) return chosen;
+  chosen.bus = std::make_unique<HidapiBus>();
+  chosen.box = std::make_unique<ButtonBox>(*chosen.bus, load_button_mapping(file));
+  chosen.box->wait_until_there();
+  return chosen;
+}
+
+// Where certificates of calibration are looked for: beside the rig file, beside the study, here.
+std::vector<std::filesystem::path> certificate_folders(const RigFile& rig, const std::filesystem::path& study) {
+  std::vector<std::filesystem::path> folders = {study.has_parent_path() ? study.parent_path() : ".", "."};
+  if (!rig.folder.empty()) folders.insert(folders.begin(), rig.folder);
+  return folders;
+}
+
+// A screen, or lines. keyboard: null for a live demonstration, without key presses; then lines are printed. What is passed by
+// reference or pointer must outlive the console. A terminal that cannot show a screen gets lines.
+std::unique_ptr<Console> make_console(const ConsoleOptions& options, const Protocol& protocol, Keyboard* keyboard,
+                                      Clock& clock, const Interrupts& interrupts) {
+  std::unique_ptr<Display> display;
+  const bool terminal = keyboard != nullptr && keyboard->is_terminal();
+  if (terminal && is_terminal(STDOUT_FILENO) && !options.plain) display = make_screen_display();
+  if (!display) display = std::make_unique<LineDisplay>(terminal);
+  outlive_readers();  // after the keyboard, which takes such a signal for a crash
+  return std::make_unique<SessionConsole>(options, protocol, keyboard, clock, interrupts, std::move(display));
+}
 
 struct RunOptions {
   std::string protocol;

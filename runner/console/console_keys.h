@@ -10,7 +10,7 @@
 #include "protocols/protocol.h"
 #include "protocols/vocabulary.h"
 #include "runner/keys/key_parser.h"
-#include "runner/session/operator_request.h"
+#include "runner/session/session_view.h"
 
 namespace jnd {
 

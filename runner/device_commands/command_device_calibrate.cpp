@@ -15,7 +15,6 @@
 #include "protocols/input/input_error.h"
 #include "protocols/version.h"
 #include "runner/device_commands/device_commands.h"
-#include "runner/device_commands/device_options.h"
 #include "runner/device_commands/device_output.h"
 #include "runner/device_commands/hid_devices.h"
 #include "runner/keys/interrupt.h"

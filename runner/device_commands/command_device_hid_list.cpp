@@ -6,8 +6,8 @@
 #include "devices/device_error.h"
 #include "devices/hid/report_words.h"
 #include "devices/hid/udev_rule.h"
+#include "runner/device_commands/command_device_hid.h"
 #include "runner/device_commands/hid_devices.h"
-#include "runner/device_commands/hid_list.h"
 #include "runner/terminal/terminal.h"
 #include "runner/terminal/text_table.h"
 

@@ -6,7 +6,6 @@
 #include "runner/device_commands/device_commands.h"
 #include "runner/device_commands/device_output.h"
 #include "runner/device_commands/hid_devices.h"
-#include "runner/device_commands/hid_list.h"
 #include "runner/opening/rig_limits.h"
 #include "runner/terminal/exit_code.h"
 #include "runner/terminal/terminal.h"

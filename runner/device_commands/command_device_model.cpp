@@ -10,7 +10,6 @@
 #include "devices/rrs3/rrs3_workspace.h"
 #include "protocols/input/input_error.h"
 #include "runner/device_commands/device_commands.h"
-#include "runner/device_commands/device_options.h"
 #include "runner/device_commands/device_output.h"
 #include "runner/device_commands/rrs3_answer.h"
 #include "runner/terminal/exit_code.h"
@@ -171,7 +170,7 @@ FingerAt finger_at(const MckibbenModel& model, double angle_rad) {
                     range.max_rad * kDegreesPerRadian));
   }
   FingerAt at{.angle_rad = angle_rad, .linkage = *linkage, .pose = *pose};
-  at.length_m = muscle_length_m(model.parameters(), linkage->stroke_m);
+  at.length_m = model.parameters().l0_m - linkage->stroke_m;
   at.volume_m3 = muscle_volume_m3(model.parameters(), at.length_m);
   at.f0_n = muscle_force_at_zero_n(model.parameters(), at.length_m);
   return at;

@@ -7,7 +7,6 @@
 #include "data/fields/csv_writer.h"
 #include "devices/mckibben/mckibben_response.h"
 #include "runner/device_commands/device_commands.h"
-#include "runner/device_commands/device_options.h"
 #include "runner/device_commands/device_output.h"
 #include "runner/terminal/exit_code.h"
 #include "runner/terminal/plot.h"

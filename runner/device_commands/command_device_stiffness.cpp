@@ -7,7 +7,6 @@
 #include "devices/mckibben/mckibben_response.h"
 #include "devices/rrs3/rrs3_rendering.h"
 #include "runner/device_commands/device_commands.h"
-#include "runner/device_commands/device_options.h"
 #include "runner/device_commands/device_output.h"
 #include "runner/terminal/exit_code.h"
 #include "runner/terminal/plot.h"

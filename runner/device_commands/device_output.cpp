@@ -2,6 +2,7 @@
 
 #include <charconv>
 #include <cmath>
+#include <cstdlib>
 
 #include <fmt/format.h>
 
@@ -79,6 +80,15 @@ DeviceSpec device_named(const std::string& name_or_path, DeviceModel model) {
 
 void print_field(int width, const char* what, const std::string& value) {
   fmt::print("  {:<{}}{}\n", what, width, printable(value));
+}
+
+std::string not_finite(const std::string& text) {
+  return std::isfinite(std::strtod(text.c_str(), nullptr)) ? "" : "\"" + text + "\" is not a finite number";
+}
+
+void add_output(const Command& command, DeviceOutput& output, const std::string& what_csv) {
+  command.add_flag("--json", output.json, "machine-readable");
+  if (!what_csv.empty()) command.add_option("--csv", output.csv, what_csv + " into a new file; - prints it");
 }
 
 }  // namespace jnd

@@ -11,7 +11,7 @@
 #include "data/verify/chain_check.h"
 #include "protocols/planning/cohort.h"
 #include "protocols/tasks/level_source.h"
-#include "protocols/tasks/same_different_task.h"
+#include "protocols/tasks/task.h"
 #include "runner/opening/readiness_items.h"
 
 namespace jnd {

@@ -8,12 +8,23 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
-#include "runner/power/person_answers.h"
+#include "analysis/hierarchical/hierarchical_likelihood.h"
+#include "data/task_results/task_results.h"
+#include "protocols/protocol.h"
 #include "runner/power/power_question.h"
 
 namespace jnd {
+
+// What one participant leaves.
+struct DrawnPerson {
+  std::optional<int> group{};              // place in Protocol::groups
+  std::vector<HierarchicalCell> answers;   // by condition and level; participant 0
+  std::vector<TaskEstimateRow> estimates;  // by condition and standard
+  bool dropped = false;                    // out: nothing of it counts
+};
 
 class PeopleSource {
  public:

@@ -3,14 +3,28 @@
 
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "analysis/precision/precision.h"
 #include "protocols/planning/planned_precision.h"
 #include "protocols/protocol.h"
-#include "runner/precision/precision_table.h"
 
 namespace jnd {
+
+enum class TableStyle { terminal, markdown };
+
+// For a terminal or in Markdown: the first column to the left, numbers to the right.
+class PrecisionTable {
+ public:
+  explicit PrecisionTable(std::vector<std::string> header) : rows_{std::move(header)} {}
+  void add(std::vector<std::string> row) { rows_.push_back(std::move(row)); }
+  std::string text(TableStyle style) const;
+
+ private:
+  std::string markdown() const;
+  std::vector<std::vector<std::string>> rows_;
+};
 
 // A design's precision with where its JNDs come from, a source a condition.
 struct PlannedPrecision {

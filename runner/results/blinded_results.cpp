@@ -7,7 +7,7 @@
 #include "analysis/numerics/special_values.h"
 #include "data/log/event_body.h"
 #include "data/results/attendance.h"
-#include "protocols/planning/condition_codes.h"
+#include "protocols/condition_words.h"
 #include "runner/terminal/terminal.h"
 
 namespace jnd {

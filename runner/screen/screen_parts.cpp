@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "devices/loop/loop_limits.h"
+#include "devices/loop/control_loop.h"
 #include "runner/screen/screen_text.h"
 #include "runner/terminal/terminal.h"
 #include "runner/words/words.h"

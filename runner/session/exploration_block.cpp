@@ -6,7 +6,7 @@
 
 #include "devices/loop/telemetry_ring.h"
 #include "devices/rigs/rig_factory.h"
-#include "protocols/planning/condition_codes.h"
+#include "protocols/condition_words.h"
 #include "runner/session/device_health.h"
 #include "runner/session/rig_connections.h"
 

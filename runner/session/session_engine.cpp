@@ -5,10 +5,10 @@
 #include <variant>
 
 #include "data/log/event_body.h"
+#include "protocols/condition_words.h"
 #include "protocols/course/duration.h"
 #include "protocols/course/prescription.h"
 #include "protocols/planning/adaptive_run.h"
-#include "protocols/planning/condition_codes.h"
 #include "runner/session/rig_connections.h"
 
 namespace jnd {

@@ -18,7 +18,7 @@
 #include "protocols/input/sha256.h"
 #include "protocols/planning/allotment.h"
 #include "protocols/planning/plan.h"
-#include "protocols/tasks/same_different_task.h"
+#include "protocols/tasks/task.h"
 #include "runner/keys/interrupt.h"
 #include "runner/session/ordered_work.h"
 #include "runner/session/session_engine.h"

@@ -4,6 +4,7 @@
 #include <cerrno>
 #include <csignal>
 #include <cstdlib>
+#include <fstream>
 #include <sstream>
 #include <thread>
 #include <utility>
@@ -17,7 +18,7 @@
 #include "data/log/storage_error.h"
 #include "devices/device_error.h"
 #include "devices/machine/child_process.h"
-#include "runner/sound/sound_folder.h"
+#include "protocols/input/file_trouble.h"
 #include "runner/sound/wave.h"
 #include "runner/terminal/other_programs.h"
 
@@ -159,6 +160,18 @@ bool PlayingSound::is_over() noexcept {
   failed_ = !stopped_ && !(WIFEXITED(status) && WEXITSTATUS(status) == 0);
   pid_ = -1;
   return true;
+}
+
+std::filesystem::path SoundFolder::write(const std::string& name, const Wave& wave) const {
+  std::filesystem::path file = folder_.path() / (name + ".wav");
+  const std::string bytes = wav_bytes(wave);
+  std::ofstream out(file, std::ios::binary);
+  out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  out.close();
+  if (!out)
+    throw StorageError(fmt::format("the sound {} cannot be written: {}; or set TMPDIR to another folder", file.string(),
+                                   file_trouble(file, errno, FileUse::write).text()));
+  return file;
 }
 
 }  // namespace jnd

@@ -8,7 +8,9 @@
 
 #include <sys/types.h>
 
+#include "data/files/scratch_folder.h"
 #include "devices/check.h"
+#include "runner/sound/wave.h"
 
 namespace jnd {
 
@@ -54,6 +56,16 @@ class PlayingSound {
   pid_t pid_ = -1;  // and of its group; below 0: it is over
   bool stopped_ = false, failed_ = false;
   std::chrono::steady_clock::time_point stopped_at_{};
+};
+
+// A folder of this program's own, in which a player finds its sounds.
+class SoundFolder {
+ public:
+  // As NAME.wav; returns its path. Throws StorageError where there is no room.
+  std::filesystem::path write(const std::string& name, const Wave& wave) const;
+
+ private:
+  ScratchFolder folder_{"sound"};  // throws StorageError where none can be made
 };
 
 }  // namespace jnd

@@ -18,7 +18,6 @@
 #include "protocols/protocol.h"
 #include "runner/session/session_listener.h"
 #include "runner/sound/player.h"
-#include "runner/sound/sound_folder.h"
 
 namespace jnd {
 

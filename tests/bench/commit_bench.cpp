@@ -30,7 +30,7 @@
 #include "data/study/study.h"
 #include "protocols/planning/plan.h"
 #include "protocols/reading/protocol_json.h"
-#include "protocols/tasks/same_different_task.h"
+#include "protocols/tasks/task.h"
 
 namespace {
 

@@ -27,7 +27,7 @@
 #include "data/results/study_results.h"
 #include "protocols/planning/plan.h"
 #include "protocols/reading/protocol_json.h"
-#include "protocols/tasks/same_different_task.h"
+#include "protocols/tasks/task.h"
 
 namespace {
 

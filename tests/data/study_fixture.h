@@ -15,7 +15,6 @@
 #include "data/verify/verify.h"
 #include "protocols/planning/plan.h"
 #include "protocols/reading/protocol_json.h"
-#include "protocols/tasks/same_different_task.h"
 #include "protocols/tasks/task.h"
 #include "tests/temporary_folder.h"
 

@@ -5,7 +5,7 @@
 #include "data/log/event_body.h"
 #include "data/log/replay.h"
 #include "data/verify/verify.h"
-#include "protocols/tasks/same_different_task.h"
+#include "protocols/tasks/task.h"
 
 namespace jnd::test {
 

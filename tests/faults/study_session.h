@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "data/study/study.h"
-#include "protocols/tasks/same_different_task.h"
+#include "protocols/tasks/task.h"
 #include "tests/runner/engine_fixture.h"
 
 namespace jnd::test {

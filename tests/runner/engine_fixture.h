@@ -18,7 +18,7 @@
 #include "devices/rig.h"
 #include "protocols/planning/plan.h"
 #include "protocols/reading/protocol_json.h"
-#include "protocols/tasks/same_different_task.h"
+#include "protocols/tasks/task.h"
 #include "runner/session/session_engine.h"
 
 namespace jnd::test {

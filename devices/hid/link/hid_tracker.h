@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <mutex>
 #include <span>
 #include <string>
@@ -12,6 +13,7 @@
 #include "devices/clock.h"
 #include "devices/hid/hid_bus.h"
 #include "devices/hid/hid_reader.h"
+#include "devices/rigs/rig_file.h"
 #include "devices/tracker.h"
 #include "devices/trackers/pose_feed.h"
 
@@ -47,5 +49,12 @@ class HidTracker final : public Tracker, private HidListener {
 
   HidReader reader_;  // last: it calls this object until it is destroyed
 };
+
+// Makes the tracker that a protocol asks for and a rig file says where to find.
+// kind: "hid", "process" or "replay"; fingers: as in $.rig.fingers. Bus and clock (the loop's, the machine's monotonic
+// one) must outlive the tracker. Throws InputError where the rig file does not say where such a tracker is, or its file
+// of poses cannot be played. A tracker that is not there yet is no error: it is missing().
+std::unique_ptr<Tracker> make_streamed_tracker(const std::string& kind, const std::vector<std::string>& fingers,
+                                               const TrackerSource& source, HidBus& bus, const Clock& clock);
 
 }  // namespace jnd

@@ -1,20 +1,89 @@
 #include "devices/hid/socket/socket_bus.h"
 
+#include <array>
 #include <chrono>
+#include <filesystem>
 #include <mutex>
 #include <optional>
+#include <string>
+#include <string_view>
+#include <thread>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <unistd.h>
 
 #include "devices/device_error.h"
 #include "devices/hid/page_exchange.h"
 #include "devices/hid/report_words.h"
-#include "devices/hid/socket/served_program.h"
+#include "devices/hid/socket/local_socket.h"
 #include "devices/hid/socket/shared_socket.h"
+#include "devices/machine/child_process.h"
 
 namespace jnd {
+
+// A program that serves a device to this one, which started it: its end, and what it says on its standard error.
+// Thread rule: any thread.
+class ServedProgram {
+ public:
+  // Starts it in that folder (empty: here). socket: its end, which becomes its file descriptor 3. Throws DeviceError.
+  ServedProgram(const std::vector<std::string>& command, const std::filesystem::path& folder, const OwnedFile& socket)
+      : child_(command, folder, ChildInput::none, socket.get()) {}
+
+  // Reads what it says, so that it never waits for a reader; the last line is kept.
+  void hear() noexcept {
+    const std::lock_guard lock(mutex_);
+    std::array<char, 4096> bytes{};
+    for (const int file : {child_.output(), child_.errors()}) {
+      for (int i = 0; file >= 0 && i < kMostReads; ++i) {
+        const ssize_t count = ::read(file, bytes.data(), bytes.size());
+        if (count <= 0) break;
+        if (file == child_.errors()) keep({bytes.data(), static_cast<std::size_t>(count)});
+      }
+    }
+  }
+  bool has_exited() const noexcept {
+    const std::lock_guard lock(mutex_);
+    return child_.has_exited();
+  }
+  // Its connection is closed: ends it where it does not end by itself. "has ended (exit code 3)".
+  std::string end() {
+    const auto patience = std::chrono::steady_clock::now() + kGrace;
+    while (!has_exited() && std::chrono::steady_clock::now() < patience)
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    hear();
+    const std::lock_guard lock(mutex_);
+    return fmt::format("has ended ({})", child_.end());
+  }
+  // ", and said last: ..."; empty where it said nothing. It may name the stimulus.
+  std::string said() const {
+    const std::lock_guard lock(mutex_);
+    const std::string& said = line_.empty() ? last_line_ : line_;
+    return said.empty() ? std::string() : ", and said last: " + said;
+  }
+
+ private:
+  static constexpr std::chrono::milliseconds kGrace{100};
+  static constexpr std::size_t kMostKept = 120;  // of a line
+  static constexpr int kMostReads = 16;          // at once: a program that floods is not listened to for ever
+
+  // What is no printable ASCII becomes a question mark: it reaches terminals and JSON.
+  void keep(std::string_view text) {
+    for (const char letter : text) {
+      if (letter == '\n') {
+        if (!line_.empty()) last_line_ = std::exchange(line_, {});
+      } else if (line_.size() < kMostKept) {
+        line_ += letter < ' ' || letter > '~' ? '?' : letter;
+      }
+    }
+  }
+
+  mutable std::mutex mutex_;
+  ChildProcess child_;
+  std::string line_, last_line_;
+};
 
 namespace {
 

@@ -1,19 +1,26 @@
 // jnd-virtual-device: a fingertip device, a tracker or a button box that exists in software only, for tests, for
 // rehearsals and to see what a host sends before there is hardware.
+#include <algorithm>
+#include <cerrno>
 #include <csignal>
+#include <cstddef>
 #include <cstdio>
+#include <cstring>
 #include <memory>
 
 #include <CLI/CLI.hpp>
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <linux/uhid.h>
 #include <sys/prctl.h>
+#include <unistd.h>
 
 #include "devices/device_error.h"
 #include "devices/hid/socket/socket_bus.h"
 #include "devices/hid/virtual/device_loop.h"
 #include "devices/hid/virtual/socket_port.h"
-#include "devices/hid/virtual/uhid_port.h"
 #include "devices/hid/virtual/virtual_buttons.h"
+#include "devices/hid/virtual/virtual_device.h"
 #include "devices/hid/virtual/virtual_fingertip.h"
 #include "devices/hid/virtual/virtual_tracker.h"
 #include "protocols/input/input_error.h"
@@ -22,6 +29,140 @@
 
 namespace jnd {
 namespace {
+
+constexpr const char* kNode = "/dev/uhid";
+
+std::string cannot_open(int error) {
+  std::string text = fmt::format("cannot open {}: {}", kNode, std::strerror(error));
+  if (error == ENOENT || error == ENODEV)
+    return text +
+           "; load the kernel's module with \"sudo modprobe uhid\" (a kernel without it, as in many containers, cannot "
+           "have virtual devices)";
+  if (error == EACCES || error == EPERM)
+    return text +
+           "; run as root, or let your login use it: put KERNEL==\"uhid\", GROUP=\"plugdev\", MODE=\"0660\" into "
+           "/etc/udev/rules.d/70-uhid.rules, then \"sudo udevadm control --reload && sudo udevadm trigger\"";
+  return text;
+}
+
+template <std::size_t size>
+void put_text(std::uint8_t (&to)[size], const std::string& from) {
+  std::memset(to, 0, size);
+  std::memcpy(to, from.data(), std::min(from.size(), size - 1));
+}
+
+// The kernel takes the rest of a short event as zeros.
+bool hand_over(int fd, const uhid_event& event, std::size_t size = sizeof(uhid_event)) noexcept {
+  ssize_t written = 0;
+  do {
+    written = ::write(fd, &event, size);
+  } while (written < 0 && errno == EINTR);
+  return written == static_cast<ssize_t>(size);
+}
+
+// A HID device made of software: /dev/uhid of the Linux kernel. To every program on the machine it is a device that was
+// plugged in, with a hidraw node of its own.
+//
+// Thread rule: one thread. Nothing waits: fd() can be polled for events.
+class UhidPort final : public DevicePort {
+ public:
+  // Throws DeviceError where there is no /dev/uhid, or this login may not open it; it says what to do.
+  UhidPort() : fd_(::open(kNode, O_RDWR | O_CLOEXEC | O_NONBLOCK)) {
+    if (fd_ < 0) throw DeviceError(cannot_open(errno));
+  }
+  ~UhidPort() override {
+    ::close(fd_);  // the kernel unplugs what is still there
+  }
+  UhidPort(const UhidPort&) = delete;
+  UhidPort& operator=(const UhidPort&) = delete;
+
+  // Throws DeviceError where the kernel refuses the description.
+  void plug(const HidDescription& description) override {
+    uhid_event event{};
+    event.type = UHID_CREATE2;
+    uhid_create2_req& request = event.u.create2;
+    put_text(request.name, description.name);
+    put_text(request.phys, description.phys);
+    put_text(request.uniq, description.serial);
+    if (description.report_descriptor.size() > sizeof request.rd_data)
+      throw DeviceError("the report descriptor is longer than the kernel takes");
+    std::memcpy(request.rd_data, description.report_descriptor.data(), description.report_descriptor.size());
+    request.rd_size = static_cast<std::uint16_t>(description.report_descriptor.size());
+    request.bus = BUS_USB;
+    request.vendor = description.vendor;
+    request.product = description.product;
+    started_ = opened_ = false;
+    if (!hand_over(fd_, event))
+      throw DeviceError(fmt::format("the kernel refuses the virtual device: {}", std::strerror(errno)));
+    plugged_ = true;
+  }
+  void unplug() override {
+    if (!plugged_) return;
+    uhid_event event{};
+    event.type = UHID_DESTROY;
+    (void)hand_over(fd_, event);
+    plugged_ = started_ = opened_ = false;
+  }
+  bool plugged() const noexcept override { return plugged_; }
+  bool opened() const noexcept override { return opened_; }
+  int fd() const noexcept override { return fd_; }
+  bool serve(const std::function<void(std::span<const std::uint8_t>)>& output) override {
+    uhid_event event{};
+    if (::read(fd_, &event, sizeof event) <= 0) return false;
+    // After a replug the events of the device that is no more come first: only START makes what follows count.
+    switch (event.type) {
+      case UHID_START:
+        started_ = plugged_;
+        break;
+      case UHID_STOP:
+        started_ = opened_ = false;
+        break;
+      case UHID_OPEN:
+        opened_ = started_;
+        break;
+      case UHID_CLOSE:
+        opened_ = false;
+        break;
+      case UHID_OUTPUT:
+        if (started_) output({event.u.output.data, std::min<std::size_t>(event.u.output.size, UHID_DATA_MAX)});
+        break;
+      case UHID_GET_REPORT: {
+        uhid_event reply{};
+        reply.type = UHID_GET_REPORT_REPLY;
+        reply.u.get_report_reply.id = event.u.get_report.id;
+        reply.u.get_report_reply.err = EIO;
+        (void)hand_over(fd_, reply);
+        break;
+      }
+      case UHID_SET_REPORT: {
+        uhid_event reply{};
+        reply.type = UHID_SET_REPORT_REPLY;
+        reply.u.set_report_reply.id = event.u.set_report.id;
+        reply.u.set_report_reply.err = EIO;
+        (void)hand_over(fd_, reply);
+        break;
+      }
+      default:
+        break;
+    }
+    return true;
+  }
+  bool send(std::span<const std::uint8_t> report) noexcept override {
+    if (!opened_) return false;
+    uhid_event event;  // NOLINT(cppcoreguidelines-pro-type-member-init): only what is used of its four kilobytes
+    event.type = UHID_INPUT2;
+    const std::size_t size = std::min<std::size_t>(report.size(), UHID_DATA_MAX);
+    std::memcpy(event.u.input2.data, report.data(), size);
+    event.u.input2.size = static_cast<std::uint16_t>(size);
+    return hand_over(fd_, event, offsetof(uhid_event, u.input2.data) + size);
+  }
+
+ private:
+  int fd_ = -1;
+  bool plugged_ = false;
+  bool started_ = false;  // the kernel has made the device that was plugged last
+  bool opened_ = false;
+};
 
 struct Options {
   bool tracker = false, buttons = false, bus_powered = false;

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "devices/hid/socket/local_socket.h"
-#include "devices/hid/virtual/device_port.h"
+#include "devices/hid/virtual/virtual_device.h"
 
 namespace jnd {
 

@@ -8,7 +8,6 @@
 #include "analysis/numerics/special_values.h"
 #include "analysis/selftest/reference_numbers.h"
 #include "analysis/thresholds/jnd.h"
-#include "analysis/thresholds/jnd_closed.h"
 #include "tests/catch.h"
 
 namespace jnd {

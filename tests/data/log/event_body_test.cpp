@@ -7,7 +7,7 @@
 #include "data/log/replay.h"
 #include "data/log/storage_error.h"
 #include "data/log/trial_body.h"
-#include "protocols/tasks/same_different_task.h"
+#include "protocols/tasks/task.h"
 #include "tests/catch.h"
 #include "tests/data/study_fixture.h"
 

@@ -5,7 +5,7 @@
 
 #include "data/log/event_body.h"
 #include "data/log/storage_error.h"
-#include "protocols/tasks/same_different_task.h"
+#include "protocols/tasks/task.h"
 #include "tests/catch.h"
 #include "tests/data/study_fixture.h"
 

@@ -2,7 +2,7 @@
 #include "data/log/replay.h"
 #include "data/study/study_impl.h"
 #include "data/verify/verify.h"
-#include "protocols/tasks/same_different_task.h"
+#include "protocols/tasks/task.h"
 #include "tests/catch.h"
 #include "tests/data/pair_results.h"
 #include "tests/data/study_fixture.h"

@@ -5,7 +5,7 @@
 #include "data/results/study_results.h"
 #include "data/study/study_impl.h"
 #include "data/verify/verify.h"
-#include "protocols/tasks/same_different_task.h"
+#include "protocols/tasks/task.h"
 #include "tests/catch.h"
 #include "tests/data/study_fixture.h"
 

@@ -1,7 +1,7 @@
 // Slopes over the stiffness that was delivered, against sums made by hand.
 #include <cmath>
 
-#include "protocols/tasks/same_different_task.h"
+#include "protocols/tasks/task.h"
 #include "tests/catch.h"
 #include "tests/data/pair_results.h"
 #include "tests/data/study_fixture.h"

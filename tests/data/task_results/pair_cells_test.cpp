@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "protocols/tasks/same_different_task.h"
+#include "protocols/tasks/task.h"
 #include "tests/catch.h"
 #include "tests/data/pair_results.h"
 #include "tests/data/study_fixture.h"

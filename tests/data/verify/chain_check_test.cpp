@@ -10,7 +10,7 @@
 #include "data/verify/verify.h"
 #include "data/verify/verify_deep.h"
 #include "protocols/input/sha256.h"
-#include "protocols/tasks/same_different_task.h"
+#include "protocols/tasks/task.h"
 #include "tests/data/damage_fixture.h"
 
 namespace jnd {

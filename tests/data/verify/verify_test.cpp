@@ -9,7 +9,7 @@
 #include "data/log/utc_time.h"
 #include "data/study/study.h"
 #include "protocols/input/sha256.h"
-#include "protocols/tasks/same_different_task.h"
+#include "protocols/tasks/task.h"
 #include "tests/catch.h"
 #include "tests/data/study_fixture.h"
 #include "tests/data/telemetry_fixture.h"

@@ -1,10 +1,9 @@
 // What an operator sees of the loop while it runs: whole values, the newest ones, at no cost to the loop.
-#include "devices/loop/latest_snapshot.h"
-
 #include <atomic>
 #include <stdexcept>
 #include <thread>
 
+#include "devices/loop/control_loop.h"
 #include "tests/catch.h"
 #include "tests/devices/device_fixtures.h"
 

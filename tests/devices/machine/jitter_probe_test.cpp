@@ -1,8 +1,7 @@
 // The measurement of lateness, on clocks that are late on purpose; and the histogram that it fills.
-#include "devices/machine/jitter_probe.h"
-
 #include <numeric>
 
+#include "devices/machine/machine_checks.h"
 #include "tests/catch.h"
 #include "tests/units.h"
 

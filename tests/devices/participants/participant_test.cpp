@@ -8,7 +8,7 @@
 #include "devices/participants/perceived_stiffness.h"
 #include "devices/participants/simulated_participant.h"
 #include "protocols/input/input_error.h"
-#include "protocols/tasks/same_different_task.h"
+#include "protocols/tasks/task.h"
 #include "tests/catch.h"
 #include "tests/devices/device_fixtures.h"
 

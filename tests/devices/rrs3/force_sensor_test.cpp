@@ -1,6 +1,4 @@
 // The force sensor: ideal by default; otherwise noise of the asked spread, steps, and a range.
-#include "devices/rrs3/force_sensor.h"
-
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -8,6 +6,7 @@
 #include <rapidcheck.h>
 
 #include "analysis/numerics/special_values.h"
+#include "devices/rrs3/rrs3_device.h"
 #include "protocols/input/input_error.h"
 #include "tests/catch.h"
 

@@ -17,7 +17,7 @@
 #include "protocols/rigs/device_lint.h"
 #include "protocols/tasks/catch_trials.h"
 #include "protocols/tasks/posterior_model.h"
-#include "protocols/tasks/same_different_task.h"
+#include "protocols/tasks/task.h"
 #include "tests/catch.h"
 #include "tests/protocols/examples.h"
 #include "tests/protocols/rigs.h"

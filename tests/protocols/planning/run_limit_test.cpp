@@ -1,10 +1,9 @@
-#include "protocols/planning/run_limit.h"
-
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <stdexcept>
 
+#include "protocols/planning/order.h"
 #include "tests/catch.h"
 
 using namespace jnd;

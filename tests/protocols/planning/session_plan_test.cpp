@@ -11,7 +11,7 @@
 #include "protocols/planning/order.h"
 #include "protocols/planning/plan.h"
 #include "protocols/reading/protocol_json.h"
-#include "protocols/tasks/same_different_task.h"
+#include "protocols/tasks/task.h"
 #include "tests/catch.h"
 #include "tests/protocols/examples.h"
 

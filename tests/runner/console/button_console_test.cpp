@@ -1,6 +1,6 @@
 // Answers by buttons at the session's console: which count, when they were given, what the operator is told.
 #include "devices/device_error.h"
-#include "protocols/tasks/same_different_task.h"
+#include "protocols/tasks/task.h"
 #include "tests/catch.h"
 #include "tests/runner/button_fixture.h"
 

@@ -9,7 +9,7 @@
 #include <pty.h>
 #include <unistd.h>
 
-#include "protocols/tasks/same_different_task.h"
+#include "protocols/tasks/task.h"
 #include "runner/console/session_console.h"
 #include "runner/keys/keyboard.h"
 #include "tests/catch.h"

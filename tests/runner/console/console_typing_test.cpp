@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "protocols/input/utf8.h"
-#include "protocols/tasks/same_different_task.h"
+#include "protocols/tasks/task.h"
 #include "runner/console/console_keys.h"
 #include "runner/console/questionnaire_page.h"
 #include "runner/keys/line_editor.h"

@@ -6,7 +6,7 @@
 
 #include "devices/loop/telemetry_ring.h"
 #include "protocols/reading/protocol_json.h"
-#include "protocols/tasks/same_different_task.h"
+#include "protocols/tasks/task.h"
 #include "runner/opening/readiness_items.h"
 #include "tests/catch.h"
 #include "tests/text_checks.h"

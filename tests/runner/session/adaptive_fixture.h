@@ -13,7 +13,7 @@
 #include "data/task_results/participant_tracks.h"
 #include "data/task_results/task_results.h"
 #include "protocols/planning/track_threshold.h"
-#include "protocols/tasks/same_different_task.h"
+#include "protocols/tasks/task.h"
 #include "tests/runner/engine_fixture.h"
 
 namespace jnd::test {

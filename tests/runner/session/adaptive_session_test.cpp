@@ -3,7 +3,7 @@
 
 #include "data/log/storage_error.h"
 #include "protocols/planning/adaptive_run.h"
-#include "protocols/tasks/same_different_task.h"
+#include "protocols/tasks/task.h"
 #include "runner/session/session_engine.h"
 #include "tests/catch.h"
 #include "tests/runner/session/adaptive_fixture.h"

@@ -10,7 +10,7 @@
 #include "data/results/study_results.h"
 #include "data/verify/verify.h"
 #include "protocols/random_stream.h"
-#include "protocols/tasks/same_different_task.h"
+#include "protocols/tasks/task.h"
 #include "runner/results/analysis_text.h"
 #include "runner/session/session_engine.h"
 #include "runner/session/simulate.h"

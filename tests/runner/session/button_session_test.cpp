@@ -1,7 +1,7 @@
 // Sessions answered by pedals, with an operator at the keys and everything of the engine between.
 #include "data/log/event_body.h"
 #include "data/log/replay.h"
-#include "protocols/tasks/same_different_task.h"
+#include "protocols/tasks/task.h"
 #include "runner/opening/readiness_buttons.h"
 #include "runner/session/session_engine.h"
 #include "tests/catch.h"

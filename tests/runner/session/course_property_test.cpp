@@ -16,7 +16,7 @@
 #include "data/study/study.h"
 #include "data/verify/verify.h"
 #include "data/verify/verify_deep.h"
-#include "protocols/tasks/same_different_task.h"
+#include "protocols/tasks/task.h"
 #include "runner/session/session_engine.h"
 #include "tests/catch.h"
 #include "tests/runner/engine_fixture.h"

@@ -5,7 +5,7 @@
 
 #include "data/log/exploration_body.h"
 #include "data/log/storage_error.h"
-#include "protocols/planning/condition_codes.h"
+#include "protocols/condition_words.h"
 #include "runner/session/exploration_block.h"
 #include "runner/session/session_engine.h"
 #include "tests/catch.h"

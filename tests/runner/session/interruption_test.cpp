@@ -2,7 +2,7 @@
 #include <optional>
 
 #include "data/log/storage_error.h"
-#include "protocols/tasks/same_different_task.h"
+#include "protocols/tasks/task.h"
 #include "tests/catch.h"
 #include "tests/runner/session/scripted_operator.h"
 

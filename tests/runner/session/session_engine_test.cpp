@@ -4,8 +4,8 @@
 #include <algorithm>
 
 #include "data/log/storage_error.h"
-#include "protocols/planning/condition_codes.h"
-#include "protocols/tasks/same_different_task.h"
+#include "protocols/condition_words.h"
+#include "protocols/tasks/task.h"
 #include "tests/catch.h"
 #include "tests/runner/engine_fixture.h"
 

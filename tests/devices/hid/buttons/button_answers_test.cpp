@@ -5,7 +5,7 @@
 
 #include <rapidcheck.h>
 
-#include "protocols/tasks/same_different_task.h"
+#include "protocols/tasks/task.h"
 #include "tests/catch.h"
 #include "tests/units.h"
 

@@ -9,7 +9,6 @@
 #include "devices/clock.h"
 #include "devices/device_error.h"
 #include "devices/hid/firmware/jnd_report.h"
-#include "devices/hid/link/streamed_tracker.h"
 #include "protocols/input/input_error.h"
 #include "protocols/rigs/rig_description.h"
 #include "tests/catch.h"

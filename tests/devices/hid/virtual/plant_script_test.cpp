@@ -1,7 +1,7 @@
 // The words that a virtual device obeys, their times, and its clock.
 #include <rapidcheck.h>
 
-#include "devices/hid/virtual/device_clock.h"
+#include "devices/hid/virtual/device_loop.h"
 #include "devices/hid/virtual/fault_script.h"
 #include "protocols/input/input_error.h"
 #include "tests/catch.h"
