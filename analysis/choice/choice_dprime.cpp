@@ -2,9 +2,11 @@
 
 #include <cmath>
 #include <cstdint>
+#include <numbers>
 
 #include "analysis/detection/binomial_likelihood.h"
 #include "analysis/detection/counts.h"
+#include "analysis/detection/dprime_intervals.h"
 #include "analysis/numerics/normal.h"
 #include "analysis/numerics/profile_interval.h"
 #include "analysis/numerics/special_values.h"
@@ -66,6 +68,25 @@ ChoiceStatus status_of(ChoiceTask task, int correct, int n) noexcept {
   return std::int64_t{correct} * chance_of_one_in(task) > n ? ChoiceStatus::ok : ChoiceStatus::not_above_chance;
 }
 
+struct BothStrategies {
+  double differencing, independent;
+};
+
+BothStrategies dprime_of_difference(RatesTask task, double zd) noexcept {
+  if (std::isnan(zd)) return {kNaN, kNaN};
+  if (task == RatesTask::reminder_one_interval) return {std::numbers::sqrt2 * zd, zd};
+  if (task == RatesTask::reminder_two_intervals) return {zd / std::numbers::sqrt2, zd / std::numbers::sqrt2};
+  const double correct = normal_cdf(0.5 * zd), wrong = normal_cdf(-0.5 * zd);
+  return {choice_dprime(ChoiceTask::abx_differencing, correct, wrong),
+          choice_dprime(ChoiceTask::abx_independent, correct, wrong)};
+}
+
+TwoRates two_rates(RatesTask task, const YesNo& rates) noexcept {
+  const BothStrategies dprime = dprime_of_difference(task, rates.dprime);
+  const double unbiased = task == RatesTask::reminder_one_interval ? kNaN : normal_cdf(0.5 * rates.dprime);
+  return {rates.hit_rate, rates.false_alarm_rate, rates.dprime, unbiased, dprime.differencing, dprime.independent};
+}
+
 }  // namespace
 
 std::string_view to_string(ChoiceStatus status) noexcept {
@@ -91,6 +112,26 @@ ChoiceDprime choice_dprime_of_counts(ChoiceTask task, int correct, int n) noexce
   if (result.status == ChoiceStatus::ok)
     result.se = std::sqrt(result.pc * wrong / trials) / choice_rate(task, result.dprime).slope;
   set_interval(result, task);
+  return result;
+}
+
+RatesDprime dprime_of_rates(RatesTask task, const Counts& counts) noexcept {
+  const YesNo raw = yes_no(counts, Correction::none), loglinear = yes_no(counts, Correction::loglinear);
+  const DprimeProfile profile = yes_no_profile(counts);
+  const BothStrategies low = dprime_of_difference(task, profile.ci_low);
+  const BothStrategies high = dprime_of_difference(task, profile.ci_high);
+  RatesDprime result;
+  result.status = raw.status;
+  result.counts = counts;
+  result.raw = two_rates(task, raw);
+  result.loglinear = two_rates(task, loglinear);
+  result.se_z_difference = loglinear.se;
+  result.z_difference_low = profile.ci_low;
+  result.z_difference_high = profile.ci_high;
+  result.differencing_low = low.differencing;
+  result.differencing_high = high.differencing;
+  result.independent_low = low.independent;
+  result.independent_high = high.independent;
   return result;
 }
 

@@ -1,7 +1,7 @@
 #include "analysis/detection/coverage.h"
 
 #include "analysis/detection/differencing.h"
-#include "analysis/detection/yes_no_profile.h"
+#include "analysis/detection/dprime_intervals.h"
 #include "analysis/numerics/binomial.h"
 #include "analysis/numerics/normal.h"
 

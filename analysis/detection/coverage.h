@@ -10,7 +10,7 @@
 
 namespace jnd {
 
-// Of the yes-no profile-likelihood interval (yes_no_profile.h), nominally 0.95.
+// Of the yes-no profile-likelihood interval (dprime_intervals.h), nominally 0.95.
 class ProfileCoverage {
  public:
   // Computes the intervals of all (n + 1)^2 outcomes once. trials_a_class >= 1.

@@ -3,10 +3,9 @@
 
 #include "analysis/detection/counts.h"
 #include "analysis/detection/differencing.h"
-#include "analysis/detection/dprime_bootstrap.h"
+#include "analysis/detection/dprime_intervals.h"
 #include "analysis/detection/independent_observation.h"
 #include "analysis/detection/yes_no.h"
-#include "analysis/detection/yes_no_profile.h"
 
 namespace jnd {
 

@@ -4,7 +4,7 @@
 // Standard error: Gourevitch and Galanter 1967, Psychometrika 32:25,
 //   var = H (1 - H) / (n_diff phi(zH)^2) + F (1 - F) / (n_same phi(zF)^2),
 // with the corrected rates and the raw numbers of trials. The Wald interval d' -+ 1.96 se is too narrow in small
-// samples and has none at a rate of 0 or 1; yes_no_profile.h has a better one.
+// samples and has none at a rate of 0 or 1; dprime_intervals.h has a better one.
 #pragma once
 
 #include <string_view>

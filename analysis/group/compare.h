@@ -8,11 +8,10 @@
 #include <cstddef>
 #include <vector>
 
-#include "analysis/group/friedman.h"
 #include "analysis/group/post_hoc.h"
+#include "analysis/group/rank_tests.h"
 #include "analysis/group/repeated_measures.h"
 #include "analysis/group/shapiro_wilk.h"
-#include "analysis/group/signed_rank.h"
 #include "analysis/group/within_table.h"
 #include "analysis/numerics/statistic_status.h"
 

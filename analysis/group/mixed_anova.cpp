@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "analysis/group/within_effect.h"
+#include "analysis/group/repeated_measures.h"
 #include "analysis/numerics/moments.h"
 #include "analysis/numerics/special_values.h"
 #include "analysis/numerics/tail_probabilities.h"

@@ -1,8 +1,8 @@
 // Items answered for each condition, tested in pairs; and the interval of a median.
 //
-// Source: Wilcoxon 1945 with midranks and exact permutation p (signed_rank.h); Holm and Benjamini-Hochberg over the
+// Source: Wilcoxon 1945 with midranks and exact permutation p (rank_tests.h); Holm and Benjamini-Hochberg over the
 // family (p_adjust.h); Conover 1999, section 3.2, for the distribution-free interval of a median.
-// Accuracy: signed_rank.h; coverage 1e-14. Tests: R 4.2.2 (wilcox.test), exactRankTests, binomial tables.
+// Accuracy: rank_tests.h; coverage 1e-14. Tests: R 4.2.2 (wilcox.test), exactRankTests, binomial tables.
 #pragma once
 
 #include <cstddef>
@@ -10,8 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "analysis/group/friedman.h"
-#include "analysis/group/signed_rank.h"
+#include "analysis/group/rank_tests.h"
 #include "analysis/group/within_table.h"
 #include "analysis/numerics/statistic_status.h"
 

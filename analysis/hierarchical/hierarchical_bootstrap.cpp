@@ -8,7 +8,7 @@
 #include <mutex>
 #include <thread>
 
-#include "analysis/numerics/binomial_sampler.h"
+#include "analysis/numerics/binomial.h"
 #include "analysis/numerics/experiment_stream.h"
 #include "analysis/numerics/normal.h"
 #include "analysis/numerics/stop_request.h"

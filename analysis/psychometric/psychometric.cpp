@@ -6,9 +6,9 @@
 #include "analysis/numerics/special_values.h"
 #include "analysis/numerics/tail_probabilities.h"
 #include "analysis/numerics/words.h"
+#include "analysis/psychometric/psychometric_likelihood.h"
 #include "analysis/psychometric/psychometric_quantity.h"
 #include "analysis/psychometric/psychometric_search.h"
-#include "analysis/psychometric/psychometric_solution.h"
 
 namespace jnd {
 

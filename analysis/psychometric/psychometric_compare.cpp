@@ -9,9 +9,8 @@
 #include "analysis/numerics/special_values.h"
 #include "analysis/numerics/words.h"
 #include "analysis/psychometric/psychometric_joint.h"
+#include "analysis/psychometric/psychometric_likelihood.h"
 #include "analysis/psychometric/psychometric_search.h"
-#include "analysis/psychometric/psychometric_shape.h"
-#include "analysis/psychometric/psychometric_solution.h"
 
 namespace jnd {
 

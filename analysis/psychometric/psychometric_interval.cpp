@@ -9,14 +9,12 @@
 
 #include <boost/math/tools/toms748_solve.hpp>
 
-#include "analysis/numerics/binomial_sampler.h"
+#include "analysis/numerics/binomial.h"
 #include "analysis/numerics/normal.h"
 #include "analysis/numerics/special_values.h"
 #include "analysis/psychometric/psychometric_likelihood.h"
 #include "analysis/psychometric/psychometric_quantity.h"
 #include "analysis/psychometric/psychometric_search.h"
-#include "analysis/psychometric/psychometric_shape.h"
-#include "analysis/psychometric/psychometric_solution.h"
 
 namespace jnd {
 

@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "analysis/numerics/special_values.h"
+#include "analysis/psychometric/psychometric_likelihood.h"
 #include "analysis/psychometric/psychometric_search.h"
-#include "analysis/psychometric/psychometric_shape.h"
 
 namespace jnd {
 

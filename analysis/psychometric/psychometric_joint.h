@@ -7,7 +7,6 @@
 
 #include "analysis/psychometric/psychometric_compare.h"
 #include "analysis/psychometric/psychometric_likelihood.h"
-#include "analysis/psychometric/psychometric_solution.h"
 
 namespace jnd {
 

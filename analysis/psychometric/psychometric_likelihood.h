@@ -1,10 +1,8 @@
-// The likelihood of counts under a psychometric function, with its exact first and second derivatives.
-//
-// Variables, always in this order: c0, c1, lapse, guess, with F = G(c0 + c1 t) and t the level, shifted by its mean and
-// divided by its range (weibull: ln x, shifted only), so that units do not matter to the search.
+// Psychometric functions, F(x) = G(u): their standard shapes G with derivatives, and the likelihood of counts under them.
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -13,6 +11,22 @@
 
 namespace jnd {
 
+// At one u: both tails to full relative precision, so that neither rate of a steep function loses its digits.
+struct PsychometricShape {
+  double g = 0;       // G
+  double upper = 0;   // 1 - G
+  double first = 0;   // dG/du
+  double second = 0;  // d2G/du2
+};
+
+// logistic 1 / (1 + exp(-u)); gaussian Phi(u); weibull and gumbel 1 - exp(-exp(u)).
+PsychometricShape psychometric_shape(PsychometricFunction function, double u) noexcept;
+double psychometric_shape_quantile(PsychometricFunction function, double p) noexcept;  // u with G(u) = p, 0 < p < 1
+
+// The likelihood of counts under a psychometric function, with its exact first and second derivatives.
+//
+// Variables, always in this order: c0, c1, lapse, guess, with F = G(c0 + c1 t) and t the level, shifted by its mean and
+// divided by its range (weibull: ln x, shifted only), so that units do not matter to the search.
 struct PsychometricData {
   PsychometricFunction function = PsychometricFunction::logistic;
   // One entry a different level with trials, ascending. Levels with the same logarithm are one to the weibull function.
@@ -70,5 +84,17 @@ class PsychometricLikelihood {
   NewtonBox box_;
   double prior_a_ = 0, prior_b_ = 0;
 };
+
+// A fit together with the likelihood it maximises, for what goes on from there: intervals and comparisons.
+struct PsychometricSolution {
+  PsychometricFit fit;
+  PsychometricLikelihood likelihood;
+  std::vector<double> place;  // c0, c1, lapse, guess; empty under no_information and not_identified
+  double value = 0;           // the largest log-likelihood, with the prior of map; a supremum like fit.log_likelihood
+};
+
+// As fit_psychometric. Under separated the place is a very steep function near the supremum, under not_increasing a
+// very flat one.
+PsychometricSolution solve_psychometric(std::span<const PsychometricLevel> levels, const PsychometricModel& model);
 
 }  // namespace jnd

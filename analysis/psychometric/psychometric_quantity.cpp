@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "analysis/psychometric/psychometric_shape.h"
+#include "analysis/psychometric/psychometric_likelihood.h"
 
 namespace jnd {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "analysis/numerics/special_values.h"
-#include "analysis/psychometric/psychometric_shape.h"
+#include "analysis/psychometric/psychometric_likelihood.h"
 
 namespace jnd {
 

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "analysis/choice/choice_dprime.h"
-#include "analysis/choice/choice_rates.h"
 #include "analysis/choice/two_interval.h"
 #include "analysis/detection/detection_row.h"
 #include "analysis/group/compare.h"
@@ -23,10 +22,8 @@
 #include "analysis/ratings/identification.h"
 #include "analysis/ratings/rating_roc.h"
 #include "analysis/ratings/sureness.h"
-#include "analysis/selftest/hierarchical_quantities.h"
-#include "analysis/selftest/posterior_quantities.h"
+#include "analysis/selftest/model_quantities.h"
 #include "analysis/selftest/reference_numbers.h"
-#include "analysis/selftest/scaling_quantities.h"
 #include "analysis/thresholds/jnd.h"
 
 namespace jnd {

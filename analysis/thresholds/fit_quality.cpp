@@ -7,8 +7,8 @@
 #include "analysis/numerics/special_values.h"
 #include "analysis/numerics/tail_probabilities.h"
 #include "analysis/numerics/words.h"
-#include "analysis/thresholds/counts_sampler.h"
 #include "analysis/thresholds/jnd.h"
+#include "analysis/thresholds/jnd_bootstrap.h"
 #include "analysis/thresholds/jnd_ml.h"
 
 namespace jnd {

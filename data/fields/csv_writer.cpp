@@ -8,7 +8,7 @@
 #include <system_error>
 
 #include "analysis/numerics/words.h"
-#include "protocols/input/blank_text.h"
+#include "protocols/input/look_alikes.h"
 
 namespace jnd {
 

@@ -25,7 +25,7 @@ inline std::string csv_flag(bool value) {
   return value ? "1" : "0";
 }
 // Text that people typed or named. A spreadsheet runs cells that begin with = + - @ (or a tab, return or line feed),
-// also in their full-width forms and behind quotes or blanks of any kind (blank_text.h): those get an apostrophe in
+// also in their full-width forms and behind quotes or blanks of any kind (look_alikes.h): those get an apostrophe in
 // front. Numbers stay numbers: neither those of csv_number get one, nor a text that is nothing but a number, such as
 // the answer -3.
 std::string csv_text(std::string_view text);

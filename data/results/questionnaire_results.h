@@ -9,7 +9,7 @@
 
 #include "analysis/group/group.h"
 #include "analysis/group/questionnaire.h"
-#include "analysis/numerics/exact_proportion.h"
+#include "analysis/numerics/binomial.h"
 #include "data/results/rating_answers.h"
 #include "data/study/study.h"
 #include "protocols/protocol.h"

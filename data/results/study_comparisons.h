@@ -7,10 +7,10 @@
 #include <string_view>
 #include <vector>
 
+#include "analysis/group/between_groups.h"
 #include "analysis/group/compare.h"
-#include "analysis/group/compare_groups.h"
 #include "analysis/group/group.h"
-#include "analysis/group/two_way_within.h"
+#include "analysis/group/repeated_measures.h"
 #include "analysis/group/within_table.h"
 #include "analysis/numerics/special_values.h"
 #include "data/results/rating_answers.h"

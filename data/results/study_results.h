@@ -8,9 +8,7 @@
 #include <vector>
 
 #include "analysis/behaviour/cue_strategy.h"
-#include "analysis/behaviour/drift.h"
-#include "analysis/behaviour/order_effect.h"
-#include "analysis/behaviour/response_bias.h"
+#include "analysis/behaviour/trial_effects.h"
 #include "analysis/numerics/special_values.h"
 #include "analysis/ratings/sureness.h"
 #include "data/raw_trials/answer_raster.h"

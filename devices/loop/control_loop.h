@@ -20,7 +20,6 @@
 #include "devices/fingertip_device.h"
 #include "devices/loop/governor.h"
 #include "devices/loop/interval_summary.h"
-#include "devices/loop/lateness.h"
 #include "devices/loop/newest_slot.h"
 #include "devices/loop/telemetry_ring.h"
 #include "devices/rig.h"

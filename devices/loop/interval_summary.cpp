@@ -1,6 +1,5 @@
 #include "devices/loop/interval_summary.h"
 
-#include <algorithm>
 #include <cmath>
 
 namespace jnd {

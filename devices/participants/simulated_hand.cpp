@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 #include <fmt/format.h>
 
-#include "devices/rig.h"
 #include "protocols/input/input_error.h"
 #include "protocols/random_stream.h"
 
@@ -20,6 +20,35 @@ double smooth(double s) noexcept {
 }
 
 }  // namespace
+
+PressMotion::PressMotion(double gap, double speed, double period_s) noexcept
+    : gap_(gap), approach_s_(std::max(gap / speed, kLeastApproach_s)), period_s_(period_s) {}
+
+std::size_t PressMotion::presses_in(double seconds) const noexcept {
+  return static_cast<std::size_t>(std::clamp(std::ceil(seconds / period_s_), 0.0, 1e5)) + 2;
+}
+
+double PressMotion::depth(double time_s) const noexcept {
+  if (depths_.empty()) return -gap_;
+  const double inside_s = kPressShare * period_s_;
+  // A press is half a sine; between presses the finger leaves and comes back at the speeds of the two halves.
+  const double rate = std::numbers::pi / inside_s;
+  if (time_s < approach_s_) {
+    // Fifth-order passage from rest to the surface, arriving with the first press's speed and no acceleration.
+    const double s = std::max(time_s, 0.0) / approach_s_, s3 = s * s * s;
+    const double arrival = std::min(depths_[0] * rate * approach_s_, 1.5 * gap_);
+    return -gap_ * (1 - s3 * (10 - s * (15 - 6 * s))) - arrival * s3 * (1 - s) * (4 - 3 * s);
+  }
+  const double since = (time_s - approach_s_) / period_s_;
+  const std::size_t place = std::min(static_cast<std::size_t>(since), depths_.size() - 1);
+  const double in_period_s = (since - static_cast<double>(place)) * period_s_;
+  const double depth = depths_[place];
+  if (in_period_s < inside_s) return depth * std::sin(rate * in_period_s);
+  const double next = depths_[std::min(place + 1, depths_.size() - 1)];
+  const double outside_s = period_s_ - inside_s;
+  const double s = std::min((in_period_s - inside_s) / outside_s, 1.0);
+  return -outside_s * rate * s * (1 - s) * (depth * (1 - s) + next * s);
+}
 
 SimulatedHand::SimulatedHand(const HandHabits& habits, int fingers, std::uint64_t seed, int participant)
     : habits_(habits), radius_m_(habits.sphere_radius_m), seed_(seed), participant_(participant) {
@@ -104,6 +133,39 @@ bool SimulatedHand::read(int finger, std::int64_t now_ns, FingerPose& pose) noex
   const double scale = distance / std::sqrt(x * x + y * y + z * z);
   pose.position_m = Eigen::Vector3d(self.side * x * scale, y * scale, z * scale);
   return true;
+}
+
+SimulatedFlexion::SimulatedFlexion(const FlexionHabits& habits, std::uint64_t seed, int participant)
+    : habits_(habits), seed_(seed), participant_(participant) {
+  for (const double habit : {habits.range_rad, habits.contact_flexion_rad, habits.press_depth_rad,
+                             habits.closing_speed_rad_per_s, habits.press_period_s})
+    if (!(habit > 0))
+      throw InputError(
+          std::string("a simulated finger needs a positive range, way to the object, depth, speed and press period: "
+                      "look at $.rig.contact_flexion_rad and the expected press in $.stimulus"));
+  if (habits.contact_flexion_rad >= habits.range_rad)
+    throw InputError(
+        fmt::format("$.rig.contact_flexion_rad is {} rad, but the finger flexes by {:.3f} rad only: it "
+                    "would never meet the object",
+                    habits.contact_flexion_rad, habits.range_rad));
+  motion_ = PressMotion(habits.contact_flexion_rad, habits.closing_speed_rad_per_s, habits.press_period_s);
+}
+
+void SimulatedFlexion::begin(const PresentRequest& request, std::int64_t start_ns) {
+  start_ns_ = start_ns;
+  RandomStream random(seed_, static_cast<std::uint64_t>(participant_), "flexion", interval_part(request.id, 0));
+  std::vector<double> depths(motion_.presses_in(std::max(request.explore_s, request.no_contact_time_out_s)));
+  for (double& depth : depths) {
+    do {
+      depth = habits_.press_depth_rad + habits_.press_depth_sd_rad * random.normal();
+    } while (depth <= habits_.press_depth_rad / 10);
+  }
+  motion_.set_depths(std::move(depths));
+}
+
+double SimulatedFlexion::angle_rad(std::int64_t time_ns) const noexcept {
+  const double depth = motion_.depth(1e-9 * static_cast<double>(time_ns - start_ns_));
+  return habits_.straight_rad + std::clamp(habits_.contact_flexion_rad + depth, 0.0, habits_.range_rad);
 }
 
 }  // namespace jnd

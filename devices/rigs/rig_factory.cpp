@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "devices/mckibben/mckibben_device.h"
-#include "devices/participants/simulated_flexion.h"
+#include "devices/participants/simulated_hand.h"
 #include "devices/rigs/fingertip_scene.h"
 #include "devices/rigs/timed_rig.h"
 #include "devices/rrs3/rrs3_device.h"

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "devices/rrs3/rrs3_forward.h"
+#include "devices/rrs3/rrs3_kinematics.h"
 #include "devices/rrs3/rrs3_rendering.h"
 #include "devices/rrs3/rrs3_workspace.h"
 #include "devices/self_test/device_bench.h"

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "devices/mckibben/mckibben_device.h"
-#include "devices/participants/simulated_flexion.h"
+#include "devices/participants/simulated_hand.h"
 #include "devices/tracker.h"
 
 namespace jnd {

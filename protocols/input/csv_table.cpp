@@ -11,10 +11,10 @@
 #include <fmt/format.h>
 
 #include "analysis/numerics/decimal_order.h"
-#include "protocols/input/blank_text.h"
 #include "protocols/input/input_error.h"
 #include "protocols/input/json_reader.h"
 #include "protocols/input/json_syntax.h"
+#include "protocols/input/look_alikes.h"
 #include "protocols/input/read_file.h"
 #include "protocols/input/utf8.h"
 

@@ -6,8 +6,8 @@
 
 #include "protocols/input/read_file.h"
 #include "protocols/input/sha256.h"
-#include "protocols/reading/participant_texts.h"
 #include "protocols/reading/protocol_reading.h"
+#include "protocols/reading/translation.h"
 
 namespace jnd {
 namespace {

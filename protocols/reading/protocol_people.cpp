@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "protocols/reading/participant_texts.h"
 #include "protocols/reading/protocol_reading.h"
 #include "protocols/reading/translation.h"
 

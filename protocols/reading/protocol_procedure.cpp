@@ -9,7 +9,7 @@
 #include "analysis/numerics/decimal_order.h"
 #include "protocols/planning/adaptive_run.h"
 #include "protocols/reading/protocol_reading.h"
-#include "protocols/tasks/catch_trials.h"
+#include "protocols/tasks/arrangements.h"
 #include "protocols/tasks/posterior_model.h"
 
 namespace jnd {

@@ -5,8 +5,8 @@
 #include <fmt/format.h>
 
 #include "protocols/course/prescription.h"
-#include "protocols/reading/participant_texts.h"
 #include "protocols/reading/protocol_reading.h"
+#include "protocols/reading/translation.h"
 #include "protocols/tasks/task.h"
 
 namespace jnd {

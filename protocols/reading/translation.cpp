@@ -1,13 +1,10 @@
 #include "protocols/reading/translation.h"
 
-#include <algorithm>
 #include <span>
 
-#include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "protocols/input/input_error.h"
-#include "protocols/reading/participant_texts.h"
 
 namespace jnd {
 

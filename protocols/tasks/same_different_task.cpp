@@ -9,7 +9,7 @@
 
 #include "analysis/numerics/decimal_order.h"
 #include "protocols/input/json_reader.h"
-#include "protocols/tasks/catch_trials.h"
+#include "protocols/tasks/arrangements.h"
 #include "protocols/tasks/level_source.h"
 #include "protocols/tasks/posterior_model.h"
 #include "protocols/tasks/task.h"

@@ -10,7 +10,6 @@
 #include <fmt/format.h>
 
 #include "protocols/tasks/arrangements.h"
-#include "protocols/tasks/catch_trials.h"
 
 namespace jnd {
 

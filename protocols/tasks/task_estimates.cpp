@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "analysis/choice/choice_dprime.h"
-#include "analysis/numerics/exact_proportion.h"
+#include "analysis/numerics/binomial.h"
 #include "analysis/numerics/profile_interval.h"
 #include "analysis/numerics/special_values.h"
 

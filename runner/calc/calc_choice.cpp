@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "analysis/choice/choice_dprime.h"
-#include "analysis/choice/choice_rates.h"
 #include "data/blocks/part_fields.h"
 #include "protocols/input/csv_table.h"
 #include "runner/calc/calc.h"

@@ -6,11 +6,11 @@
 
 #include <fmt/format.h>
 
+#include "analysis/group/between_groups.h"
 #include "analysis/group/compare.h"
-#include "analysis/group/compare_groups.h"
 #include "analysis/group/mixed_anova.h"
 #include "analysis/group/p_adjust.h"
-#include "analysis/group/signed_rank.h"
+#include "analysis/group/rank_tests.h"
 #include "analysis/group/within_table.h"
 #include "analysis/numerics/studentised_range.h"
 #include "data/blocks/common_fields.h"

@@ -8,9 +8,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "protocols/input/blank_text.h"
 #include "protocols/input/input_error.h"
 #include "protocols/input/json_reader.h"
+#include "protocols/input/look_alikes.h"
 #include "protocols/input/number_from.h"
 #include "protocols/tasks/task.h"
 #include "runner/commands/commands.h"

@@ -6,7 +6,6 @@
 
 #include "data/fields/number_text.h"
 #include "protocols/planning/planned_precision.h"
-#include "protocols/planning/task_precision.h"
 #include "protocols/planning/track_threshold.h"
 #include "protocols/tasks/level_source.h"
 #include "protocols/tasks/task.h"

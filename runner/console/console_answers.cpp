@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "devices/hid/buttons/button_box.h"
-#include "protocols/input/blank_text.h"
+#include "protocols/input/look_alikes.h"
 #include "protocols/input/number_from.h"
 #include "runner/console/session_console.h"
 #include "runner/terminal/terminal.h"

@@ -11,7 +11,7 @@
 #include <unistd.h>
 
 #include "devices/device_error.h"
-#include "devices/hid/link/rig_bus.h"
+#include "devices/hid/link/hid_rig.h"
 #include "devices/machine/io_thread.h"
 #include "devices/realtime.h"
 #include "protocols/input/input_error.h"

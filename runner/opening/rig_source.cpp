@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include "devices/hid/link/hid_rig.h"
-#include "devices/hid/link/rig_bus.h"
 #include "devices/rigs/laboratory_rig.h"
 #include "devices/rigs/timed_rig.h"
 #include "protocols/input/input_error.h"

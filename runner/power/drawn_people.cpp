@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "analysis/numerics/binomial_sampler.h"
+#include "analysis/numerics/binomial.h"
 #include "analysis/numerics/experiment_stream.h"
 #include "analysis/numerics/normal.h"
 #include "analysis/numerics/stop_request.h"

@@ -5,11 +5,10 @@
 #include <set>
 
 #include "analysis/group/between_groups.h"
-#include "analysis/group/compare_groups.h"
 #include "analysis/group/group.h"
 #include "analysis/group/p_adjust.h"
 #include "analysis/group/post_hoc.h"
-#include "analysis/group/signed_rank.h"
+#include "analysis/group/rank_tests.h"
 #include "analysis/hierarchical/hierarchical_fit.h"
 #include "analysis/numerics/binomial.h"
 #include "analysis/numerics/moments.h"

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "analysis/numerics/exact_proportion.h"
+#include "analysis/numerics/binomial.h"
 #include "protocols/planning/allotment.h"
 
 namespace jnd {

@@ -5,11 +5,14 @@
 #include <string_view>
 #include <vector>
 
+#include <nlohmann/json.hpp>
+
+#include "devices/rig.h"
 #include "runner/session/session_parts.h"
 
 namespace jnd {
 
-// rig.connections; nothing for a rig of models. when: as in runner/session/connections_body.h.
+// rig.connections; nothing for a rig of models. when: as for connections_body().
 void note_connections(const SessionParts& parts, const SessionRecorder& recorder, std::string_view when);
 
 // rig.calibration for each device that carries a calibration: its certificate, from the first of the folders that has
@@ -29,5 +32,9 @@ std::string missing_of(Rig& rig, bool sealed);
 // devices are at rest. Without a person it waits kLongestWait_s. Throws SessionEnds: the session can be resumed.
 inline constexpr double kLongestWait_s = 30;
 void await_rig(const SessionParts& parts, const SessionRecorder& recorder, int after_trial);
+
+// when: "opened", "fault", "missing" (something is, and is waited for), "back", "closed". A number that is none, such
+// as the uncertainty of a clock that was never compared, is null.
+nlohmann::ordered_json connections_body(const RigConnections& connections, std::string_view when);
 
 }  // namespace jnd

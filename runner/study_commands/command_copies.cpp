@@ -10,7 +10,6 @@
 #include "runner/keys/interrupt.h"
 #include "runner/study_commands/blinded_problem.h"
 #include "runner/study_commands/recovery_words.h"
-#include "runner/study_commands/stamp_now.h"
 #include "runner/study_commands/study_commands.h"
 #include "runner/terminal/exit_code.h"
 #include "runner/terminal/json_output.h"

@@ -12,7 +12,6 @@
 #include "runner/keys/interrupt.h"
 #include "runner/opening/participant_names.h"
 #include "runner/opening/study_access.h"
-#include "runner/study_commands/stamp_now.h"
 #include "runner/study_commands/study_commands.h"
 #include "runner/terminal/exit_code.h"
 #include "runner/terminal/json_output.h"

@@ -11,9 +11,8 @@
 
 #include "analysis/detection/differencing.h"
 #include "analysis/detection/differencing_model.h"
-#include "analysis/detection/dprime_bootstrap.h"
+#include "analysis/detection/dprime_intervals.h"
 #include "analysis/detection/independent_observation.h"
-#include "analysis/detection/yes_no_profile.h"
 #include "analysis/numerics/normal.h"
 #include "analysis/numerics/profile_interval.h"
 

@@ -11,7 +11,7 @@
 #include <fmt/format.h>
 
 #include "analysis/numerics/normal.h"
-#include "analysis/selftest/posterior_quantities.h"
+#include "analysis/selftest/model_quantities.h"
 
 namespace {
 

@@ -27,7 +27,7 @@
 #include "analysis/numerics/moments.h"
 #include "analysis/numerics/normal.h"
 #include "analysis/procedures/staircase.h"
-#include "analysis/selftest/posterior_quantities.h"
+#include "analysis/selftest/model_quantities.h"
 #include "analysis/thresholds/jnd_ml_yes_no.h"
 #include "protocols/random_stream.h"
 

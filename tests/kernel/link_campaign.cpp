@@ -26,7 +26,6 @@
 #include "devices/hid/firmware/jnd_report.h"
 #include "devices/hid/hidapi_bus.h"
 #include "devices/hid/link/fingertip_link.h"
-#include "devices/hid/link/hid_fingertip.h"
 #include "devices/hid/page_exchange.h"
 #include "devices/hid/report_counter.h"
 #include "devices/realtime.h"

@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "devices/device_error.h"
-#include "devices/hid/report_units.h"
 #include "devices/hid/report_words.h"
 
 namespace jnd {

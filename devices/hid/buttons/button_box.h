@@ -9,9 +9,8 @@
 #include <vector>
 
 #include "devices/emergency_stop.h"
-#include "devices/hid/buttons/button_answers.h"
-#include "devices/hid/buttons/button_decoder.h"
 #include "devices/hid/buttons/button_mapping.h"
+#include "devices/hid/buttons/button_presses.h"
 #include "devices/hid/hid_bus.h"
 #include "devices/hid/hid_reader.h"
 

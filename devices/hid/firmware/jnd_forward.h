@@ -1,5 +1,5 @@
 /* Forward kinematics: which pose the joint angles stand for. Newton's method from a pose that is known to be near, as
- * devices/rrs3/rrs3_forward.h; it never crosses a parallel singularity. */
+ * devices/rrs3/rrs3_kinematics.h; it never crosses a parallel singularity. */
 #ifndef JND_FORWARD_H
 #define JND_FORWARD_H
 

@@ -15,15 +15,17 @@
 #include <thread>
 
 #include "devices/clock.h"
+#include "devices/fingertip_device.h"
 #include "devices/hid/firmware/jnd_report.h"
 #include "devices/hid/hid_bus.h"
 #include "devices/hid/hid_reader.h"
 #include "devices/hid/report_counter.h"
-#include "devices/loop/lateness.h"
+#include "devices/loop/interval_summary.h"
 #include "devices/loop/newest_slot.h"
 #include "devices/machine/clock_sync.h"
 #include "devices/rig.h"
 #include "protocols/rigs/device_description.h"
+#include "protocols/vocabulary.h"
 
 namespace jnd {
 
@@ -166,6 +168,34 @@ class FingertipLink final : public RigLink, private HidListener {
 
   std::thread writer_;
   std::unique_ptr<HidReader> reader_;  // last: it calls this object until it is destroyed
+};
+
+// A fingertip device over USB HID, as the control loop sees it.
+
+// Thread rule: the control loop's thread; neutral also by the thread that owns the rig while no loop runs. Nothing
+// waits.
+class HidFingertip final : public FingertipDevice {
+ public:
+  // The link must outlive it.
+  HidFingertip(FingertipLink& link, RenderingMode mode) noexcept : link_(link), mode_(mode) {}
+
+  // lost: not connected. Reconnections do not count within an engagement: who was unplugged stays lost.
+  DeviceStatus engage(std::int64_t now_ns) noexcept override;
+  // The newest telemetry, whose age is the loop's to judge. lost: also where its commands do not arrive. stopped: the
+  // device stopped itself since engage, or does not become active.
+  DeviceStatus read(std::int64_t now_ns, DeviceReading& reading) noexcept override;
+  // A command with a number that is none is not sent: the device gets mode rest.
+  DeviceStatus write(const DeviceCommand& command, std::int64_t now_ns) noexcept override;
+  void neutral() noexcept override;
+
+ private:
+  bool lost() const noexcept { return connection_ == 0 || link_.connection() != connection_; }
+
+  FingertipLink& link_;
+  RenderingMode mode_;
+  std::uint32_t connection_ = 0, engagement_ = 0;
+  std::int64_t engaged_ns_ = 0;
+  bool was_active_ = false;  // in this engagement
 };
 
 }  // namespace jnd

@@ -1,30 +1,27 @@
 #include "devices/hid/link/hid_rig.h"
 
 #include <algorithm>
-#include <chrono>
 #include <string>
 #include <thread>
 #include <utility>
-#include <vector>
 
 #include <fmt/format.h>
 
 #include "devices/device_error.h"
 #include "devices/hid/firmware/jnd_report.h"
-#include "devices/hid/hid_bus.h"
+#include "devices/hid/hidapi_bus.h"
 #include "devices/hid/link/fingertip_link.h"
-#include "devices/hid/link/hid_fingertip.h"
 #include "devices/hid/link/hid_tracker.h"
 #include "devices/hid/our_devices.h"
 #include "devices/hid/page_exchange.h"
 #include "devices/hid/report_words.h"
 #include "devices/rigs/fingertip_scene.h"
-#include "devices/rigs/rig_file.h"
 #include "protocols/input/input_error.h"
 #include "protocols/input/sha256.h"
 #include "protocols/rigs/rig_description.h"
 
 namespace jnd {
+
 namespace {
 
 // Which of our fingertip devices are connected, and which of them a protocol's fingers wear.
@@ -178,6 +175,22 @@ std::unique_ptr<Tracker> make_tracker(const Protocol& protocol, const RigDescrip
 }
 
 }  // namespace
+
+std::vector<SocketDevice> socket_devices(const RigFile& file, bool started) {
+  std::vector<SocketDevice> devices;
+  for (const WornDevice& worn : file.devices)
+    if (!worn.socket.empty() || (started && !worn.command.empty()))
+      devices.push_back({.path = worn.path(), .socket = worn.socket, .command = worn.command, .folder = file.folder});
+  if (!file.tracker.socket.empty())
+    devices.push_back({.path = file.tracker.socket.string(), .socket = file.tracker.socket});
+  return devices;
+}
+
+std::unique_ptr<HidBus> make_bus(std::vector<SocketDevice> devices) {
+  auto usb = std::make_unique<HidapiBus>();
+  if (devices.empty()) return usb;
+  return std::make_unique<JoinedBus>(std::make_unique<SocketBus>(std::move(devices)), std::move(usb));
+}
 
 RigInfo hid_rig_info(const Protocol& protocol, const RigSpec& spec) {
   const std::string& tracker = protocol.rig.tracker;

@@ -14,7 +14,6 @@
 #include <string>
 #include <string_view>
 
-#include "devices/hid/virtual/event_log.h"
 #include "devices/hid/virtual/fault_script.h"
 #include "devices/hid/virtual/virtual_device.h"
 

@@ -5,8 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "devices/hid/virtual/descriptors.h"
-#include "devices/hid/virtual/event_log.h"
+#include "devices/hid/virtual/virtual_device.h"
 
 namespace jnd {
 

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "devices/hid/virtual/descriptors.h"
+#include "devices/hid/virtual/virtual_device.h"
 #include "protocols/input/input_error.h"
 
 namespace jnd {

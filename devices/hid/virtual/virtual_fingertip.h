@@ -9,9 +9,7 @@
 #include <string>
 
 #include "devices/hid/firmware/jnd_fingertip_state.h"
-#include "devices/hid/virtual/event_log.h"
 #include "devices/hid/virtual/plant_hardware.h"
-#include "devices/hid/virtual/report_outlet.h"
 #include "devices/hid/virtual/virtual_device.h"
 
 namespace jnd {

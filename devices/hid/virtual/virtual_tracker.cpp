@@ -7,8 +7,7 @@
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
-#include "devices/hid/virtual/descriptors.h"
-#include "devices/hid/virtual/event_log.h"
+#include "devices/hid/virtual/virtual_device.h"
 #include "protocols/input/input_error.h"
 
 namespace jnd {

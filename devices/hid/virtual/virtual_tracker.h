@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "devices/hid/virtual/report_outlet.h"
 #include "devices/hid/virtual/virtual_device.h"
 #include "devices/participants/simulated_hand.h"
 

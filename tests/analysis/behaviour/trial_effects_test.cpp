@@ -1,11 +1,10 @@
 // Order of the intervals, response bias and drift: published tables, exact sums and closed forms.
+#include "analysis/behaviour/trial_effects.h"
+
 #include <cmath>
 #include <vector>
 
-#include "analysis/behaviour/drift.h"
-#include "analysis/behaviour/order_effect.h"
-#include "analysis/behaviour/response_bias.h"
-#include "analysis/numerics/exact_proportion.h"
+#include "analysis/numerics/binomial.h"
 #include "analysis/numerics/special_values.h"
 #include "tests/catch.h"
 

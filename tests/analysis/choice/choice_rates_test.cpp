@@ -1,6 +1,5 @@
 // ABX and reminder tasks from hits and false alarms: R's numbers and the edges.
-#include "analysis/choice/choice_rates.h"
-
+#include "analysis/choice/choice_dprime.h"
 #include "analysis/choice/choice_task.h"
 #include "analysis/numerics/normal.h"
 #include "tests/analysis/detection/detection_fixtures.h"

@@ -1,13 +1,12 @@
 // The exact bootstrap of d' against R 4.2.2 (signal_detection_reference.json), against a plain enumeration, and in the
 // limit of many trials.
-#include "analysis/detection/dprime_bootstrap.h"
-
 #include <algorithm>
 #include <vector>
 
 #include <boost/math/distributions/binomial.hpp>
 #include <rapidcheck.h>
 
+#include "analysis/detection/dprime_intervals.h"
 #include "analysis/detection/yes_no.h"
 #include "analysis/numerics/normal.h"
 #include "tests/analysis/detection/detection_fixtures.h"

@@ -1,10 +1,9 @@
 // Standard error, interval and test of the yes-no d' against R 4.2.2 (signal_detection_reference.json) and 40-digit
 // arithmetic (mpmath 1.x), and what must hold for any counts.
-#include "analysis/detection/yes_no_profile.h"
-
 #include <rapidcheck.h>
 
 #include "analysis/detection/binomial_likelihood.h"
+#include "analysis/detection/dprime_intervals.h"
 #include "analysis/numerics/normal.h"
 #include "analysis/numerics/profile_interval.h"
 #include "tests/analysis/detection/detection_fixtures.h"

@@ -1,10 +1,9 @@
 // Friedman's test against R, and its edges.
-#include "analysis/group/friedman.h"
-
 #include <cmath>
 
 #include <rapidcheck.h>
 
+#include "analysis/group/rank_tests.h"
 #include "tests/analysis/group_fixture.h"
 #include "tests/catch.h"
 

@@ -1,11 +1,10 @@
 // The signed-rank test against R and exactRankTests, direct enumeration, and its edges.
-#include "analysis/group/signed_rank.h"
-
 #include <cmath>
 #include <cstdint>
 
 #include <rapidcheck.h>
 
+#include "analysis/group/rank_tests.h"
 #include "analysis/numerics/ranks.h"
 #include "tests/analysis/group_fixture.h"
 #include "tests/catch.h"

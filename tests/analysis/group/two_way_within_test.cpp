@@ -1,6 +1,4 @@
 // Two factors within subjects against cell means in arbitrary precision, and the one-way cases inside.
-#include "analysis/group/two_way_within.h"
-
 #include <cmath>
 #include <string>
 

@@ -24,8 +24,8 @@
 
 #include "analysis/hierarchical/hierarchical_bootstrap.h"
 #include "analysis/hierarchical/hierarchical_fit.h"
-#include "analysis/hierarchical/posterior_draws.h"
-#include "analysis/numerics/binomial_sampler.h"
+#include "analysis/hierarchical/predictive_check.h"
+#include "analysis/numerics/binomial.h"
 #include "analysis/numerics/experiment_stream.h"
 #include "analysis/numerics/normal.h"
 #include "analysis/numerics/tail_probabilities.h"

@@ -6,7 +6,7 @@
 #include <stdexcept>
 
 #include "analysis/numerics/tail_probabilities.h"
-#include "analysis/selftest/hierarchical_quantities.h"
+#include "analysis/selftest/model_quantities.h"
 #include "tests/analysis/hierarchical/hierarchical_fixtures.h"
 #include "tests/catch.h"
 

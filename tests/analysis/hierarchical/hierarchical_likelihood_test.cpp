@@ -6,7 +6,7 @@
 #include <functional>
 
 #include "analysis/numerics/normal.h"
-#include "analysis/selftest/hierarchical_quantities.h"
+#include "analysis/selftest/model_quantities.h"
 #include "analysis/selftest/reference_numbers.h"
 #include "tests/analysis/hierarchical/hierarchical_fixtures.h"
 #include "tests/catch.h"

@@ -11,7 +11,7 @@
 
 #include "analysis/hierarchical/hierarchical_bootstrap.h"
 #include "analysis/hierarchical/hierarchical_fit.h"
-#include "analysis/numerics/binomial_sampler.h"
+#include "analysis/numerics/binomial.h"
 #include "analysis/numerics/experiment_stream.h"
 #include "analysis/numerics/tail_probabilities.h"
 

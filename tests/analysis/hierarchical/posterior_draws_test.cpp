@@ -1,8 +1,7 @@
 // Draws of people against the moments of their posteriors, and where there is nothing to draw.
-#include "analysis/hierarchical/posterior_draws.h"
-
 #include <cmath>
 
+#include "analysis/hierarchical/predictive_check.h"
 #include "tests/analysis/hierarchical/hierarchical_fixtures.h"
 #include "tests/catch.h"
 

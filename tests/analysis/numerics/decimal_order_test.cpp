@@ -6,9 +6,8 @@
 
 #include <rapidcheck.h>
 
-#include "analysis/group/friedman.h"
 #include "analysis/group/questionnaire.h"
-#include "analysis/group/signed_rank.h"
+#include "analysis/group/rank_tests.h"
 #include "tests/analysis/group_fixture.h"
 #include "tests/catch.h"
 

@@ -1,8 +1,7 @@
 // Clopper and Pearson's interval: closed forms at the ends, R's binom.test between them.
-#include "analysis/numerics/exact_proportion.h"
-
 #include <cmath>
 
+#include "analysis/numerics/binomial.h"
 #include "tests/catch.h"
 
 using namespace jnd;

@@ -5,7 +5,7 @@
 #include <numeric>
 
 #include "analysis/numerics/normal.h"
-#include "analysis/selftest/posterior_quantities.h"
+#include "analysis/selftest/model_quantities.h"
 #include "protocols/random_stream.h"
 #include "tests/catch.h"
 

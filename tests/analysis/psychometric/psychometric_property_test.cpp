@@ -5,9 +5,8 @@
 
 #include <rapidcheck.h>
 
-#include "analysis/numerics/binomial_sampler.h"
-#include "analysis/psychometric/psychometric_shape.h"
-#include "analysis/psychometric/psychometric_solution.h"
+#include "analysis/numerics/binomial.h"
+#include "analysis/psychometric/psychometric_likelihood.h"
 #include "tests/analysis/psychometric/psychometric_fixtures.h"
 #include "tests/catch.h"
 

@@ -5,8 +5,7 @@
 #include <random>
 
 #include "analysis/psychometric/psychometric_interval.h"
-#include "analysis/psychometric/psychometric_shape.h"
-#include "analysis/psychometric/psychometric_solution.h"
+#include "analysis/psychometric/psychometric_likelihood.h"
 #include "tests/analysis/psychometric/psychometric_fixtures.h"
 #include "tests/catch.h"
 

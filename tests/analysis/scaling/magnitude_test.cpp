@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "analysis/numerics/special_values.h"
-#include "analysis/selftest/scaling_quantities.h"
+#include "analysis/selftest/model_quantities.h"
 #include "tests/catch.h"
 
 namespace jnd {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "analysis/numerics/normal.h"
-#include "analysis/thresholds/counts_sampler.h"
+#include "analysis/thresholds/jnd_bootstrap.h"
 #include "tests/catch.h"
 
 namespace jnd {

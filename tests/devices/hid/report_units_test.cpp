@@ -1,11 +1,10 @@
 // SI units and the integers of the reports.
-#include "devices/hid/report_units.h"
-
 #include <cmath>
 
 #include <rapidcheck.h>
 
 #include "analysis/numerics/special_values.h"
+#include "devices/hid/report_words.h"
 #include "tests/catch.h"
 
 using namespace jnd;

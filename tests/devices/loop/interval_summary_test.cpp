@@ -1,7 +1,6 @@
 // The summary on samples whose numbers are known.
 #include "devices/loop/interval_summary.h"
 
-#include "devices/loop/lateness.h"
 #include "tests/catch.h"
 
 using namespace jnd;

@@ -1,8 +1,7 @@
 // A rehearsal in real time, judged by what it lost: on made-up rigs, so that no test waits for a machine to be late.
-#include "devices/machine/rehearsal_probe.h"
-
 #include <vector>
 
+#include "devices/machine/machine_checks.h"
 #include "devices/rigs/rig_factory.h"
 #include "tests/catch.h"
 #include "tests/devices/device_fixtures.h"

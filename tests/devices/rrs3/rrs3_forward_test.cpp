@@ -1,11 +1,10 @@
 // Forward kinematics gives back the pose that the joint angles came from, and nothing where there is none.
-#include "devices/rrs3/rrs3_forward.h"
-
 #include <cmath>
 
 #include <Eigen/LU>
 #include <rapidcheck.h>
 
+#include "devices/rrs3/rrs3_kinematics.h"
 #include "devices/rrs3/rrs3_workspace.h"
 #include "tests/catch.h"
 #include "tests/devices/device_fixtures.h"

@@ -15,7 +15,7 @@
 #include "protocols/planning/track_threshold.h"
 #include "protocols/reading/protocol_json.h"
 #include "protocols/rigs/device_lint.h"
-#include "protocols/tasks/catch_trials.h"
+#include "protocols/tasks/arrangements.h"
 #include "protocols/tasks/posterior_model.h"
 #include "protocols/tasks/task.h"
 #include "tests/catch.h"

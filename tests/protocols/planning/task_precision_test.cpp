@@ -1,10 +1,9 @@
 // How well a task will measure, by simulation.
-#include "protocols/planning/task_precision.h"
-
 #include <cmath>
 
 #include "analysis/choice/choice_task.h"
 #include "analysis/numerics/normal.h"
+#include "protocols/planning/planned_precision.h"
 #include "protocols/planning/track_threshold.h"
 #include "protocols/tasks/task.h"
 #include "tests/catch.h"

@@ -6,7 +6,6 @@
 
 #include "analysis/numerics/special_values.h"
 #include "devices/hid/calibration/calibration_certificate.h"
-#include "runner/session/connections_body.h"
 #include "runner/session/session_engine.h"
 #include "tests/catch.h"
 #include "tests/data/study_fixture.h"

@@ -1,10 +1,9 @@
 // Which presses answer a question, and which do not: early ones, held ones, two at once.
-#include "devices/hid/buttons/button_answers.h"
-
 #include <algorithm>
 
 #include <rapidcheck.h>
 
+#include "devices/hid/buttons/button_presses.h"
 #include "protocols/tasks/task.h"
 #include "tests/catch.h"
 #include "tests/units.h"

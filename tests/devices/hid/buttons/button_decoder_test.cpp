@@ -1,11 +1,10 @@
 // Presses and releases out of reports: first edges, bounce, taps, what was down when a box was opened.
-#include "devices/hid/buttons/button_decoder.h"
-
 #include <algorithm>
 #include <limits>
 
 #include <rapidcheck.h>
 
+#include "devices/hid/buttons/button_presses.h"
 #include "tests/catch.h"
 #include "tests/units.h"
 

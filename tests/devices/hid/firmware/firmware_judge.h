@@ -7,7 +7,7 @@
 
 #include <rapidcheck.h>
 
-#include "devices/rrs3/rrs3_forward.h"
+#include "devices/rrs3/rrs3_kinematics.h"
 #include "devices/rrs3/rrs3_statics.h"
 #include "tests/devices/hid/firmware/firmware_fixtures.h"
 

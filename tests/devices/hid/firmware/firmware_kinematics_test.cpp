@@ -9,7 +9,7 @@
 #include "devices/hid/firmware/jnd_forward.h"
 #include "devices/hid/firmware/jnd_position.h"
 #include "devices/hid/firmware/jnd_statics.h"
-#include "devices/rrs3/rrs3_forward.h"
+#include "devices/rrs3/rrs3_kinematics.h"
 #include "devices/rrs3/rrs3_position_control.h"
 #include "devices/rrs3/rrs3_statics.h"
 #include "tests/catch.h"

@@ -1,8 +1,9 @@
 // The link to one device: handshake, counts, clocks, what goes wrong on the wire.
+#include "devices/hid/link/fingertip_link.h"
+
 #include <atomic>
 
 #include "devices/device_error.h"
-#include "devices/hid/link/hid_fingertip.h"
 #include "tests/catch.h"
 #include "tests/devices/hid/link/link_fixtures.h"
 #include "tests/text_checks.h"

@@ -2,7 +2,7 @@
 #include <cstdint>
 #include <cstdlib>
 
-#include "devices/hid/link/hid_fingertip.h"
+#include "devices/hid/link/fingertip_link.h"
 #include "tests/catch.h"
 #include "tests/counted_heap.h"
 #include "tests/devices/hid/link/link_fixtures.h"

@@ -5,8 +5,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "devices/hid/virtual/descriptors.h"
 #include "devices/hid/virtual/virtual_buttons.h"
+#include "devices/hid/virtual/virtual_device.h"
 #include "devices/hid/virtual/virtual_tracker.h"
 #include "protocols/input/input_error.h"
 #include "tests/catch.h"
