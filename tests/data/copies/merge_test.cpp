@@ -1,8 +1,11 @@
-// Studies of one protocol become one, to the letter; what does not fit is refused by name.
+// Studies that become one, and new files that are in nobody's way.
 #include "data/copies/merge.h"
 
 #include <sys/stat.h>
 
+#include "data/copies/backup.h"
+#include "data/copies/new_file.h"
+#include "data/copies/rescued_copy.h"
 #include "data/study/schema.h"
 #include "data/study/study_admin.h"
 #include "protocols/input/input_error.h"
@@ -10,6 +13,8 @@
 
 namespace jnd {
 namespace {
+
+// Studies of one protocol become one, to the letter; what does not fit is refused by name.
 
 constexpr std::uint64_t kOtherSeed = 7;
 
@@ -170,6 +175,92 @@ TEST_CASE("damaged and busy sources are refused", "[data]") {
   CHECK_THAT(refusal(folder, {a, b}), Catch::Contains("b.jnd: ") && Catch::Contains("jnd recover"));
   CHECK_THROWS_WITH(merge({a, b}, a, kLater), Catch::Contains("is the study itself"));
   CHECK_FALSE(std::filesystem::exists(a.string() + ".lock"));
+}
+
+// What a new file is made from is never in its way.
+
+namespace fs = std::filesystem;
+
+TEST_CASE("a source that lies under the name of the new file's lock is refused and kept", "[data]") {
+  const TemporaryFolder folder;
+  const fs::path source = folder / "s.lock", to = folder / "s", other = folder / "other";
+  fill_study(*new_study(source));
+  Study::create(other, "tutorial", tutorial().bytes, 7, kLater)->close();
+  const std::string before = bytes_of(source);
+  const auto refused = Catch::Contains("would overwrite " + source.string());
+  CHECK_THROWS_WITH(back_up(*Study::open(source, Study::Access::read_only), to, false), refused);
+  CHECK_THROWS_WITH(recover(source, to, std::nullopt, kLater), refused);
+  CHECK_THROWS_WITH(merge({other, source}, to, kLater), refused);
+  CHECK(bytes_of(source) == before);
+  CHECK_FALSE(fs::exists(to));
+  CHECK(back_up(*Study::open(source, Study::Access::read_only), folder / "t", false).written);
+}
+
+TEST_CASE("files that have names like a draft's are nobody's to take", "[data]") {
+  const TemporaryFolder folder;
+  const fs::path source = folder / "study.jnd", to = folder / "copy.jnd";
+  fill_study(*new_study(source));
+  for (const char* name : {"copy.jnd.new", "copy.jnd.new-wal", "copy.jnd.jnd-draft-", "copy.jnd.lock"})
+    write_bytes(folder / name, "mine");
+  CHECK_THROWS_WITH(back_up(*Study::open(source, Study::Access::read_only), to, false),
+                    Catch::Contains("is no lock file of jnd"));
+  CHECK(bytes_of(folder / "copy.jnd.lock") == "mine");
+  fs::remove(folder / "copy.jnd.lock");
+  CHECK(back_up(*Study::open(source, Study::Access::read_only), to, false).written);
+  for (const char* name : {"copy.jnd.new", "copy.jnd.new-wal", "copy.jnd.jnd-draft-"})
+    CHECK(bytes_of(folder / name) == "mine");
+}
+
+TEST_CASE("a link to the source is known as the source", "[data]") {
+  const TemporaryFolder folder;
+  const fs::path source = folder / "study.jnd";
+  fill_study(*new_study(source));
+  const std::string before = bytes_of(source);
+  fs::create_hard_link(source, folder / "twin");
+  CHECK_THROWS_WITH(back_up(*Study::open(source, Study::Access::read_only), folder / "twin", true),
+                    Catch::Contains("is the study itself"));
+  CHECK(bytes_of(source) == before);
+}
+
+TEST_CASE("a name that is taken is never given to another file", "[data]") {
+  const TemporaryFolder folder;
+  write_bytes(folder / "made", "new");
+  write_bytes(folder / "taken", "old");
+  CHECK(give_name(folder / "made", folder / "taken") == EEXIST);
+  CHECK(bytes_of(folder / "taken") == "old");
+  CHECK(give_name(folder / "made", folder / "free") == 0);
+  CHECK(bytes_of(folder / "free") == "new");
+  CHECK_FALSE(fs::exists(folder / "made"));
+}
+
+// Nobody goes on in a study's old file while its rescued copy has more.
+
+TEST_CASE("the file of a study whose rescued copy holds more is refused, and the copy named", "[data]") {
+  const TemporaryFolder folder;
+  const fs::path path = folder / "study.jnd", away = folder / "away.jnd", second = folder / "study-rescued-2.jnd";
+  CHECK(rescued_name(path, 1) == folder / "study-rescued.jnd");
+  CHECK(rescued_name(path, 2) == second);
+  CHECK_NOTHROW(refuse_rescued(path));
+  write_bytes(second, "notes on a rescue");
+  {
+    const auto study = new_study(path);
+    fs::rename(path, away);
+    const auto note = [&] { study->add_study_event(event_kind::kNote, {{"text", "one"}}, kLater); };
+    CHECK_THROWS_AS(note(), StorageTrouble);
+    note();
+    REQUIRE(study->path() == rescued_name(path, 1));
+  }
+  const auto refused = Catch::Contains("went on in " + rescued_name(path, 1).string());
+  CHECK_THROWS_WITH(refuse_rescued(path), refused && Catch::Contains("are nowhere else"));
+  fs::rename(away, path);
+  CHECK_THROWS_WITH(refuse_rescued(path), refused && Catch::Contains("this file lacks"));
+  write_bytes(path, "damaged");
+  CHECK_THROWS_WITH(refuse_rescued(path), refused);
+  write_bytes(path, bytes_of(rescued_name(path, 1)));
+  CHECK_NOTHROW(refuse_rescued(path));  // it holds the same
+  fs::remove(path);
+  Study::create(path, "tutorial", tutorial().bytes, 7, kLater)->close();
+  CHECK_NOTHROW(refuse_rescued(path));  // of another study
 }
 
 }  // namespace

@@ -1,23 +1,31 @@
-// Telemetry: every tick comes back to the bit, and no damaged blob does anything but say so.
+// Telemetry, traces and trials: what is written comes back, and damage is said.
 #include "data/log/telemetry.h"
 
 #include <bit>
+#include <cmath>
 #include <cstdlib>
 #include <limits>
 
 #include <rapidcheck.h>
 #include <zstd.h>
 
+#include "data/log/blob_bytes.h"
+#include "data/log/event_body.h"
 #include "data/log/storage_error.h"
+#include "data/log/trace_blob.h"
+#include "data/log/trial_body.h"
 #include "data/study/study_impl.h"
 #include "data/verify/verify.h"
 #include "protocols/input/sha256.h"
+#include "protocols/tasks/task.h"
 #include "tests/catch.h"
 #include "tests/data/study_fixture.h"
 #include "tests/data/telemetry_fixture.h"
 
 namespace jnd {
 namespace {
+
+// Telemetry: every tick comes back to the bit, and no damaged blob does anything but say so.
 
 // Any double at all, NaNs and infinities among them: a fault records what it met.
 double any_bits() {
@@ -287,6 +295,162 @@ TEST_CASE("the lines of Python in the README read what was stored", "[data]") {
   char text[40];
   std::snprintf(text, sizeof text, "%.17g", peak);
   CHECK_THAT(out, Catch::Contains(std::string("peak force ") + text));
+}
+
+// Traces of a laboratory's own rig: every sample comes back to the bit, and no damaged blob does anything but say so.
+
+double any_value() {
+  return std::bit_cast<double>(*rc::gen::arbitrary<std::uint64_t>());
+}
+
+Trace any_trace() {
+  Trace trace;
+  const int channels = *rc::gen::inRange(1, 6);
+  for (int i = 0; i < channels; ++i)
+    trace.channels.push_back({std::string(static_cast<std::size_t>(*rc::gen::inRange(0, 41)), 'n'), i == 0 ? "N" : ""});
+  const int samples = *rc::gen::inRange(0, 60);
+  for (int i = 0; i < samples; ++i)
+    trace.samples.push_back({any_value(), any_value(), *rc::gen::inRange(0, channels), any_value()});
+  trace.dropped = *rc::gen::inRange<std::int64_t>(0, 1'000'000);
+  return trace;
+}
+
+bool same_trace(const Trace& a, const Trace& b) {
+  const auto bits = [](double value) { return std::bit_cast<std::uint64_t>(value); };
+  return a.channels == b.channels && a.dropped == b.dropped &&
+         std::equal(a.samples.begin(), a.samples.end(), b.samples.begin(), b.samples.end(),
+                    [&](const Trace::Sample& x, const Trace::Sample& y) {
+                      return bits(x.heard_s) == bits(y.heard_s) && bits(x.rig_s) == bits(y.rig_s) &&
+                             x.channel == y.channel && bits(x.value) == bits(y.value);
+                    });
+}
+
+bool is_refused(const std::string& bytes) {
+  try {
+    (void)decode_trace(bytes);
+    return false;
+  } catch (const StorageError&) {
+    return true;
+  }
+}
+
+Trace small_trace() {
+  return {.channels = {{"force", "N"}, {"grip", "N"}},
+          .samples = {{0.001, 7.25, 0, 1.5}, {0.001, 7.25, 1, -2}, {0.006, 7.255, 0, 1.75}},
+          .dropped = 2};
+}
+
+TEST_CASE("any trace comes back to the bit, and is told from ticks", "[data]") {
+  REQUIRE(rc::check([] {
+    const Trace trace = any_trace();
+    const TelemetryBlob blob = encode_trace(2, trace);
+    RC_ASSERT(blob.interval == 2);
+    RC_ASSERT(blob.ticks == static_cast<std::int64_t>(trace.samples.size()));
+    RC_ASSERT(blob.dropped == trace.dropped);
+    RC_ASSERT(blob.sha256 == sha256_hex(blob.bytes));
+    RC_ASSERT(is_trace(blob.bytes));
+    RC_ASSERT(same_trace(decode_trace(blob.bytes), trace));
+  }));
+  CHECK_FALSE(is_trace(encode_telemetry(0, press(3)).bytes));
+  CHECK(is_refused(encode_telemetry(0, press(3)).bytes));
+}
+
+TEST_CASE("a trace that was cut or changed is refused", "[data]") {
+  const std::string whole = encode_trace(0, small_trace()).bytes;
+  for (std::size_t size = 0; size < whole.size(); ++size) CHECK(is_refused(whole.substr(0, size)));
+  const std::string raw = decompressed_blob(whole, 100'000);
+  for (std::size_t size = 0; size < raw.size(); ++size) CHECK(is_refused(compressed_blob(raw.substr(0, size))));
+  CHECK(is_refused(compressed_blob(raw + "x")));
+  const auto changed = [&raw](std::size_t at, char value) {
+    std::string bytes = raw;
+    bytes[at] = value;
+    return compressed_blob(bytes);
+  };
+  CHECK(is_refused(changed(0, 'J')));
+  CHECK(is_refused(changed(8, 2)));                       // of a later version
+  CHECK(is_refused(changed(12, 65)));                     // channels
+  CHECK(is_refused(changed(16, 4)));                      // samples
+  CHECK(is_refused(changed(32, 41)));                     // a name's length
+  CHECK(is_refused(changed(raw.size() - 3 * 8 - 1, 9)));  // a sample's channel
+  CHECK_THROWS_AS(blob_beginning("no frame", 8), StorageError);
+}
+
+TEST_CASE("what cannot be kept is not encoded", "[data]") {
+  Trace trace = small_trace();
+  trace.samples[1].channel = 2;
+  CHECK_THROWS_WITH(encode_trace(0, trace), Catch::Contains("names channel 2"));
+  trace = small_trace();
+  trace.channels[0].name = std::string(41, 'x');
+  CHECK_THROWS_WITH(encode_trace(0, trace), Catch::Contains("41 bytes"));
+  trace = small_trace();
+  trace.channels.resize(65);
+  CHECK_THROWS_AS(encode_trace(0, trace), StorageError);
+}
+
+// The one-pass reader of answered trials against the records that were written.
+
+TEST_CASE("a trial is read back from its body as it was written", "[data]") {
+  const Plan plan = make_plan(tutorial(), 3, kSeed);
+  TrialBodyReader reader(tutorial().stimulus.unit);
+  for (const Trial& trial : plan.trials) {
+    const int answer = trial.index % 3 == 0 ? kClassSame : kClassDifferent;
+    TrialRecord record = record_of(tutorial(), trial, answer);
+    record.answer.entered_by = trial.index % 2 == 0 ? EnteredBy::participant : EnteredBy::operator_;
+    const CountedTrial read = reader.read(body_text(to_body(record)));
+    CHECK(read.index == trial.index);
+    CHECK(read.practice == trial.practice);
+    CHECK(read.series == trial.series);
+    CHECK(read.condition == trial.condition);
+    CHECK(read.same() == (trial.target == kClassSame));
+    CHECK(read.said_different() == (answer == kClassDifferent));
+    CHECK(read.by_participant == (trial.index % 2 == 0));
+    CHECK(read.response_time_s == record.answer.response_time_s);
+    CHECK(read.duration_s == record.duration_s);
+    CHECK(read.saturated_share == largest_saturated_share(record));
+    CHECK(read.asked == trial.stimuli);
+    for (std::size_t i = 0; i < 2; ++i) {
+      double stiffness = 0, work = 0, peak = 0;
+      int fits = 0;
+      for (const FingerPresentation& finger : record.presentations[i].fingers) {
+        if (finger.stiffness) stiffness += *finger.stiffness;
+        fits += finger.stiffness ? 1 : 0;
+        work += finger.work_j;
+        peak = std::max(peak, finger.peak_force_n);
+      }
+      const auto fingers = static_cast<double>(record.presentations[i].fingers.size());
+      CHECK(read.delivered(i).has_value() == (fits > 0));
+      if (fits > 0) CHECK(*read.delivered(i) == Approx(stiffness / fits).epsilon(1e-15));
+      CHECK(read.cues[i].work_j == Approx(work / fingers).epsilon(1e-15));
+      CHECK(read.cues[i].peak_force_n == peak);
+    }
+  }
+}
+
+TEST_CASE("what was not measured is not a number, and what is needed is asked for by name", "[data]") {
+  TrialBodyReader reader(Unit::n_per_m);
+  const std::string bare =
+      R"({"series_place":1,"condition_place":2,"target":1,"said":1,"answer":"different","stimulus_1_n_per_m":900,"stimulus_2_n_per_m":400})";
+  const CountedTrial trial = reader.read(bare);
+  CHECK(trial.series == 1);
+  CHECK(trial.condition == 2);
+  CHECK(trial.said_different());
+  CHECK_FALSE(trial.delivered(0).has_value());
+  CHECK(std::isnan(trial.cues[1].work_j));
+
+  const CountedTrial unfitted = reader.read(
+      R"({"series_place":0,"condition_place":0,"target":0,"said":0,"answer":"same","presentations":[{"fingers":[)"
+      R"({"stiffness_n_per_m":null,"work_j":0.5,"peak_force_n":2},{"stiffness_n_per_m":600,"work_j":1.5}]},{"fingers":[]}]})");
+  CHECK(*unfitted.delivered(0) == 600);
+  CHECK(unfitted.cues[0].work_j == 1);
+  CHECK(unfitted.cues[0].peak_force_n == 2);
+  CHECK_FALSE(unfitted.delivered(1).has_value());
+
+  CHECK_THROWS_WITH(reader.read(R"({"series_place":1,"condition_place":2,"target":1,"said":1})"),
+                    Catch::Contains("has no answer"));
+  CHECK_THROWS_AS(reader.read(R"({"series_place":"one"})"), StorageError);
+  CHECK_THROWS_AS(reader.read(R"({"series_place":1)"), StorageError);
+  CHECK_THROWS_AS(reader.read("[]"), StorageError);
+  CHECK_THROWS_AS(reader.read(""), StorageError);
 }
 
 }  // namespace

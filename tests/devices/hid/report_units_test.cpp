@@ -1,13 +1,26 @@
-// SI units and the integers of the reports.
+// SI units, numbered streams and what is said of the bus: the small parts of reports.
+#include <atomic>
 #include <cmath>
+#include <fstream>
+#include <set>
+#include <string>
+#include <thread>
+#include <vector>
 
 #include <rapidcheck.h>
 
 #include "analysis/numerics/special_values.h"
+#include "devices/device_error.h"
+#include "devices/hid/hidapi_bus.h"
+#include "devices/hid/report_counter.h"
 #include "devices/hid/report_words.h"
+#include "devices/hid/udev_rule.h"
 #include "tests/catch.h"
 
 using namespace jnd;
+using jnd::ReportCounter;
+
+// SI units and the integers of the reports.
 
 namespace {
 
@@ -128,4 +141,119 @@ TEST_CASE("telemetry becomes a reading in SI units", "[report_units]") {
   CHECK(reading.platform.sin_yaw == Approx(std::sin(0.01)));
   CHECK(reading.platform.cos_yaw == Approx(std::cos(0.01)));
   CHECK(reading.vibration_g == Approx(0.5));
+}
+
+// What is missing of a numbered stream.
+
+TEST_CASE("every gap is counted exactly, also where the numbers wrap around", "[report_counter]") {
+  const bool held = rc::check([] {
+    const auto first = static_cast<std::uint32_t>(-*rc::gen::inRange<std::int64_t>(0, 400));
+    const auto lengths = *rc::gen::nonEmpty(rc::gen::container<std::vector<std::uint32_t>>(rc::gen::inRange(1U, 9U)));
+    ReportCounter counter;
+    std::uint32_t number = first;
+    std::int64_t gaps = 0, taken = 0;
+    RC_ASSERT(counter.take(number));
+    ++taken;
+    for (const std::uint32_t length : lengths) {
+      number += length;
+      gaps += length - 1;
+      RC_ASSERT(counter.take(number));
+      ++taken;
+      RC_ASSERT(static_cast<std::int64_t>(static_cast<std::uint32_t>(number - first)) + 1 == taken + gaps);
+    }
+    RC_ASSERT(counter.missing() == gaps);
+    RC_ASSERT(counter.taken() == taken);
+    RC_ASSERT(counter.old() == 0);
+  });
+  CHECK(held);
+}
+
+TEST_CASE("what comes twice or out of order is never shown", "[report_counter]") {
+  ReportCounter counter;
+  CHECK(counter.take(5));
+  CHECK_FALSE(counter.take(5));
+  CHECK(counter.take(8));
+  CHECK_FALSE(counter.take(7));
+  CHECK_FALSE(counter.take(6));
+  CHECK(counter.take(9));
+  CHECK(counter.taken() == 3);
+  CHECK(counter.missing() == 2);
+  CHECK(counter.old() == 3);
+}
+
+TEST_CASE("a new connection has a numbering of its own", "[report_counter]") {
+  ReportCounter counter;
+  CHECK(counter.take(1000));
+  counter.begin();
+  CHECK(counter.take(3));
+  CHECK(counter.take(5));
+  CHECK(counter.missing() == 1);
+  CHECK(counter.taken() == 3);
+}
+
+TEST_CASE("a device that began anew on the spot is believed after a while", "[report_counter]") {
+  ReportCounter counter;
+  CHECK(counter.take(100'000));
+  std::uint32_t number = 1;
+  while (!counter.take(number)) REQUIRE(++number <= 1000);
+  CHECK(number == ReportCounter::kBeginsAnew);
+  CHECK(counter.take(number + 1));
+  CHECK(counter.missing() == 0);
+  CHECK(counter.old() == ReportCounter::kBeginsAnew - 1);
+}
+
+// What can be said of hidapi without a device: tests/kernel has the rest.
+
+TEST_CASE("a path that is not there is an error that names it", "[hidapi_bus]") {
+  HidapiBus bus;
+  // Many times: what hidapi does with a file that is no HID device may go well by chance.
+  for (int round = 0; round < 20; ++round)
+    for (const char* path : {"/dev/no-such-hidraw", "/dev/null", ""}) {
+      CAPTURE(path);
+      try {
+        (void)bus.open(path);
+        FAIL("it was opened");
+      } catch (const DeviceError& error) {
+        CHECK(std::string(error.what()).find(path) != std::string::npos);
+      }
+    }
+}
+
+TEST_CASE("many threads may list and open at once", "[hidapi_bus]") {
+  std::vector<std::thread> threads;
+  std::atomic<int> refused{0};
+  for (int i = 0; i < 4; ++i)
+    threads.emplace_back([&refused] {
+      HidapiBus bus;
+      for (int round = 0; round < 20; ++round) {
+        (void)bus.list();
+        try {
+          (void)bus.open("/dev/no-such-hidraw");
+        } catch (const DeviceError&) {
+          ++refused;
+        }
+      }
+    });
+  for (std::thread& thread : threads) thread.join();
+  CHECK(refused.load() == 80);
+}
+
+// The udev rule that is shipped, printed and explained is one and the same; and what doctor says of trackers.
+
+TEST_CASE("a rule names bus, vendor and product in capital digits") {
+  CHECK(udev_rule(0x1209, 0x5afe) ==
+        "KERNEL==\"hidraw*\", SUBSYSTEM==\"hidraw\", KERNELS==\"0003:1209:5AFE.*\", MODE=\"0660\", "
+        "GROUP=\"plugdev\", TAG+=\"uaccess\"");
+  CHECK(udev_rule(0x46d, 0xb, 5).find("\"0005:046D:000B.*\"") != std::string::npos);
+}
+
+TEST_CASE("the shipped file holds the rules of the virtual devices and nothing else") {
+  const std::string name = std::string(kUdevRulesPath).substr(std::string(kUdevRulesPath).rfind('/') + 1);
+  CHECK(name < "73-seat-late.rules");  // which acts on uaccess
+  std::ifstream file(std::string(JND_SOURCE_DIR) + "/devices/hid/" + name);
+  REQUIRE(file);
+  std::set<std::string> rules;
+  for (std::string line; std::getline(file, line);)
+    if (!line.empty() && line[0] != '#') rules.insert(line);
+  CHECK(rules == std::set<std::string>{udev_rule(0x1209, 0x5AFE), udev_rule(0x1209, 0x5AFF)});
 }

@@ -1,16 +1,40 @@
-// JSON places and the reader's checks.
+// Files, their JSON, numbers and codes as they come in.
+#include <cerrno>
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <stdexcept>
+#include <string>
+
+#include <fcntl.h>
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <rapidcheck.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
+#include "protocols/input/file_trouble.h"
+#include "protocols/input/input_error.h"
 #include "protocols/input/json_document.h"
 #include "protocols/input/json_reader.h"
 #include "protocols/input/json_syntax.h"
 #include "protocols/input/json_text.h"
+#include "protocols/input/look_alikes.h"
+#include "protocols/input/number_from.h"
+#include "protocols/input/read_file.h"
 #include "protocols/input/sha256.h"
 #include "protocols/input/utf8.h"
 #include "tests/catch.h"
+#include "tests/protocols/rigs.h"
 
-using namespace jnd;
+using namespace jnd::test;
+
+namespace jnd {
+namespace {
+
+// JSON places and the reader's checks.
 
 TEST_CASE("every value and key knows its place") {
   const JsonNode root =
@@ -246,3 +270,185 @@ TEST_CASE("SHA-256 gives the published answers") {
   CHECK(sha256_hex("abcdbcdecdefdefgefghfghighijhijkijkljklmklmnlmnomnopnopq") ==
         "248d6a61d20638b8e5c026930c3e6039a33ce45964ff2167f6ecedd419db06c1");
 }
+
+// Files that a user names: whatever they are, reading them ends, and within bounds.
+
+TEST_CASE("what is no file is refused with what it is, and nobody is waited for") {
+  const TemporaryFolder folder;
+  const std::filesystem::path pipe = folder.write("beside", "").parent_path() / "pipe";
+  REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
+  CHECK_THROWS_WITH(read_input_file(pipe), Catch::Contains("named pipe") && Catch::Contains("into a file"));
+  CHECK_THROWS_WITH(read_input_file("/dev/zero"), Catch::Contains("is a device, not a file"));
+  CHECK_THROWS_WITH(read_input_file(pipe.parent_path()), Catch::Contains("is a folder (name a file in it)"));
+  CHECK_THROWS_WITH(read_input_file(folder.write("file", "") / "below"), Catch::Contains("cannot be opened"));
+}
+
+TEST_CASE("a file may be as long as the limit and no longer") {
+  const TemporaryFolder folder;
+  const std::filesystem::path file = folder.write("file", std::string(100'000, 'x'));
+  CHECK(read_input_file(file).size() == 100'000);
+  CHECK(read_input_file(file, 100'000).size() == 100'000);
+  CHECK_THROWS_WITH(read_input_file(file, 99'999), Catch::Contains("is larger than 99999 bytes"));
+  CHECK_THROWS_WITH(read_input_file(folder.write("large", std::string(kMostInputBytes + 1, 'x'))),
+                    Catch::Contains("is larger than 1 MiB"));
+}
+
+TEST_CASE("a shell's <(command) is read to its end") {
+  int ends[2];
+  REQUIRE(pipe(ends) == 0);
+  REQUIRE(write(ends[1], "abc", 3) == 3);
+  close(ends[1]);
+  CHECK(read_input_file(fmt::format("/dev/fd/{}", ends[0])) == "abc");
+  close(ends[0]);
+}
+
+// A text is a number only as a whole.
+
+TEST_CASE("a text is a number as a whole, without blanks, signs of plus or leftovers") {
+  CHECK(number_from<double>("-2.5e1") == -25.0);
+  CHECK(number_from<int>("-7") == -7);
+  CHECK(number_from<std::uint32_t>("4294967295") == 4294967295U);
+  CHECK(std::isinf(number_from<double>("inf").value()));
+  for (const char* const text : {"", " 1", "1 ", "+1", "1x", "x", "0x1", "1,5"}) {
+    CAPTURE(text);
+    CHECK_FALSE(number_from<double>(text));
+    CHECK_FALSE(number_from<int>(text));
+  }
+  CHECK_FALSE(number_from<int>("1.5"));
+}
+
+TEST_CASE("a number beyond its type's range is none") {
+  CHECK_FALSE(number_from<std::uint32_t>("4294967296"));
+  CHECK_FALSE(number_from<std::uint32_t>("-1"));
+  CHECK_FALSE(number_from<double>("1e999"));
+}
+
+// Which codes are taken for one another.
+
+TEST_CASE("codes look alike whatever their capitals, zeros before a number, and way of writing an accent") {
+  for (const auto& [one, other] : {std::pair("P1", "P001"),
+                                   {"P01", "p1"},
+                                   {"01", "1"},
+                                   {"A0B00", "a00b0"},
+                                   {"Jos\u00e9", "Jose\u0301"},
+                                   {"\u00c5SA", "a\u030asa"}})
+    CHECK(look_of(one) == look_of(other));
+  for (const auto& [one, other] :
+       {std::pair("P1", "P10"), {"P100", "P10"}, {"1", "P1"}, {"0", ""}, {"P10", "P1O"}, {"\u00df", "s"}})
+    CHECK(look_of(one) != look_of(other));
+}
+
+TEST_CASE("codes that look alike are named, those that print alike with their lengths") {
+  CHECK(look_alikes({"P1", "P2", "Q1"}).empty());
+  CHECK(look_alikes({"P1", "P2", "P02", "p1"}) == R"("P2" and "P02", "P1" and "p1")");
+  CHECK(look_alikes({"Jos\u00e9", "Jose\u0301"}) == "\"Jos\u00e9\" and \"Jose\u0301\" (4 and 5 characters)");
+}
+
+// The words for files that cannot be read or written tell the causes apart, and name what is in the way.
+
+namespace fs = std::filesystem;
+constexpr uid_t kNobody = 65534;
+
+// Permissions do not bind root.
+class AsNobody {
+ public:
+  AsNobody() { change(kNobody); }
+  ~AsNobody() { change(0); }
+  AsNobody(const AsNobody&) = delete;
+  AsNobody& operator=(const AsNobody&) = delete;
+
+ private:
+  void change(uid_t user) const {
+    if (root_ && ::seteuid(user) != 0) throw std::runtime_error("the user cannot be changed");
+  }
+  const bool root_ = ::getuid() == 0;
+};
+
+int error_of_opening(const fs::path& path, int flags) {
+  const int descriptor = ::open(path.c_str(), flags | O_CLOEXEC, 0600);
+  if (descriptor < 0) return errno;
+  ::close(descriptor);
+  return 0;
+}
+
+class Folder {
+ public:
+  fs::path operator/(const char* name) const { return path() / name; }
+  fs::path path() const { return kept_.write("file", "x").parent_path(); }
+
+ private:
+  test::TemporaryFolder kept_;
+};
+
+fs::path file_in(const fs::path& folder, const char* name) {
+  std::ofstream(folder / name) << "x";
+  return folder / name;
+}
+
+std::string said(const fs::path& path, int error, FileUse use = FileUse::write) {
+  return file_trouble(path, error, use).text();
+}
+
+TEST_CASE("every cause has words of its own, and no other cause is called a full disk") {
+  const Folder folder;
+  std::set<std::string> all;
+  const int causes[] = {EACCES, EROFS, ENOSPC, EDQUOT, EFBIG, ENOENT, ENOTDIR, EISDIR, EIO, ENAMETOOLONG};
+  for (const int cause : causes) {
+    const FileTrouble trouble = file_trouble(folder / "file", cause, FileUse::write);
+    CAPTURE(cause, trouble.why, trouble.what_to_do);
+    CHECK_FALSE(trouble.what_to_do.empty());
+    CHECK((trouble.why.find("full") != std::string::npos) == (cause == ENOSPC));
+    all.insert(trouble.why);
+  }
+  CHECK(all.size() == std::size(causes));
+}
+
+TEST_CASE("without permission the words name the folder that may not be entered or written to, or the file") {
+  const Folder folder;
+  fs::permissions(folder.path(), fs::perms(0755));
+  const fs::path closed = folder / "closed", fixed = folder / "fixed", open = folder / "open";
+  for (const fs::path& one : {closed, fixed, open}) fs::create_directory(one);
+  const fs::path inside = file_in(closed, "study"), beside = file_in(fixed, "study"), secret = file_in(open, "secret");
+  fs::permissions(open, fs::perms(0777));
+  fs::permissions(secret, fs::perms(0));
+  fs::permissions(fixed, fs::perms(0555));
+  fs::permissions(closed, fs::perms(0));
+  {
+    const AsNobody nobody;
+    const int entering = error_of_opening(inside, O_RDONLY);
+    REQUIRE(entering == EACCES);
+    CHECK(said(inside, entering, FileUse::read).starts_with("no permission to enter the folder " + closed.string()));
+    CHECK(said(inside, entering).starts_with("no permission to enter the folder " + closed.string()));
+    const int making = error_of_opening(fixed / "new", O_WRONLY | O_CREAT);
+    REQUIRE(making == EACCES);
+    CHECK(said(fixed / "new", making).starts_with("no permission to write to the folder " + fixed.string()));
+    const int reading = error_of_opening(secret, O_RDONLY);
+    REQUIRE(reading == EACCES);
+    CHECK(said(secret, reading, FileUse::read).starts_with("no permission to read the file " + secret.string()));
+    CHECK(said(secret, error_of_opening(secret, O_WRONLY))
+              .starts_with("no permission to write to the file " + secret.string()));
+    CHECK(write_obstacle(secret) == EACCES);
+    CHECK(write_obstacle(beside) == EACCES);
+    CHECK(write_obstacle(inside) == EACCES);
+  }
+  fs::permissions(closed, fs::perms(0700));
+  fs::permissions(secret, fs::perms(0600));
+  CHECK(write_obstacle(secret) == 0);
+}
+
+TEST_CASE("the part of a path that is not there, or is a file, is named") {
+  const Folder folder;
+  const fs::path file = file_in(folder.path(), "file");
+  CHECK(error_of_opening(folder / "no" / "such" / "place", O_RDONLY) == ENOENT);
+  CHECK(said(folder / "no" / "such" / "place", ENOENT)
+            .starts_with("there is no such folder: " + (folder / "no").string() + ";"));
+  CHECK(said(folder / "none", ENOENT, FileUse::read).starts_with("there is no such file"));
+  CHECK(error_of_opening(file / "below", O_RDONLY) == ENOTDIR);
+  CHECK(said(file / "below" / "it", ENOTDIR).starts_with(file.string() + " is a file, not a folder"));
+  CHECK(error_of_opening(folder.path(), O_WRONLY) == EISDIR);
+  CHECK(write_obstacle(folder.path()) == EISDIR);
+  CHECK(write_obstacle(folder / "none") == ENOENT);
+}
+
+}  // namespace
+}  // namespace jnd

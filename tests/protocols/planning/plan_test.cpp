@@ -1,8 +1,10 @@
+// Plans: orders, runs, cohorts, allotment, and further sessions.
 #include "protocols/planning/plan.h"
 
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <set>
 #include <stdexcept>
 
@@ -10,6 +12,7 @@
 #include <rapidcheck.h>
 
 #include "protocols/input/sha256.h"
+#include "protocols/planning/order.h"
 #include "protocols/reading/protocol_json.h"
 #include "protocols/tasks/task.h"
 #include "tests/catch.h"
@@ -19,6 +22,158 @@ using namespace jnd;
 using namespace jnd::test;
 
 namespace {
+
+TEST_CASE("a Williams square balances positions and neighbours exactly") {
+  for (int k = 1; k <= 9; ++k) {
+    CAPTURE(k);
+    const OrderList square = williams_square(k);
+    CHECK(static_cast<int>(square.size()) == (k == 1 ? 1 : (k % 2 == 0 ? k : 2 * k)));
+    std::map<std::pair<int, int>, int> at_position, before;
+    for (const auto& order : square) {
+      CHECK(std::set<int>(order.begin(), order.end()).size() == static_cast<std::size_t>(k));
+      for (std::size_t p = 0; p < order.size(); ++p) {
+        ++at_position[{order[p], static_cast<int>(p)}];
+        if (p > 0) ++before[{order[p - 1], order[p]}];
+      }
+    }
+    const int repeats = k % 2 == 0 || k == 1 ? 1 : 2;
+    CHECK(static_cast<int>(at_position.size()) == k * k);
+    for (const auto& [place, count] : at_position) CHECK(count == repeats);
+    CHECK(static_cast<int>(before.size()) == k * (k - 1));
+    for (const auto& [pair, count] : before) CHECK(count == repeats);
+  }
+}
+
+TEST_CASE("permutations are all there, once") {
+  for (int k = 1, factorial = 1; k <= 6; ++k, factorial *= k) {
+    const OrderList all = all_permutations(k);
+    CHECK(static_cast<int>(std::set<std::vector<int>>(all.begin(), all.end()).size()) == factorial);
+    CHECK(static_cast<int>(all.size()) == factorial);
+  }
+}
+
+TEST_CASE("three series and three conditions: participant 6r + s takes series order s and condition order s + r") {
+  for (std::uint64_t seed = 0; seed < 50; ++seed) {
+    Protocol protocol = small_protocol(3, 3, 4, Sampling::balanced);
+    protocol.design.series_order = protocol.design.condition_order = Order::permuted;
+    const OrderAssignment assignment(protocol, seed);
+    CHECK(assignment.group_size() == 6);
+    CHECK(assignment.pair_count() == 36);
+    for (int r = 0; r < 12; ++r) {
+      for (int s = 0; s < 6; ++s) {
+        const int participant = 6 * r + s + 1;
+        CHECK(assignment.outer_place(participant) == s);
+        CHECK(assignment.inner_place(participant) == (s + r) % 6);
+      }
+    }
+  }
+}
+
+TEST_CASE("assigned orders: groups are balanced, all pairs occur before any repeats") {
+  struct Case {
+    int series, conditions;
+    Order series_order, condition_order;
+    int series_orders, condition_orders;
+  };
+  const std::vector<Case> cases = {
+      {3, 3, Order::permuted, Order::permuted, 6, 6},  {3, 4, Order::permuted, Order::permuted, 6, 24},
+      {4, 3, Order::permuted, Order::permuted, 24, 6}, {2, 3, Order::permuted, Order::williams, 2, 6},
+      {4, 4, Order::williams, Order::williams, 4, 4},  {5, 4, Order::williams, Order::williams, 10, 4},
+      {1, 3, Order::fixed, Order::permuted, 1, 6},     {3, 2, Order::fixed, Order::fixed, 1, 1},
+      {5, 3, Order::williams, Order::permuted, 10, 6}, {2, 2, Order::permuted, Order::permuted, 2, 2},
+      {6, 4, Order::williams, Order::williams, 6, 4},
+  };
+  for (const Case& one : cases) {
+    for (const std::uint64_t seed : {0U, 1U, 99U}) {
+      CAPTURE(one.series, one.conditions, one.series_orders, one.condition_orders, seed);
+      Protocol protocol = small_protocol(one.series, one.conditions, 4, Sampling::balanced);
+      protocol.design.series_order = one.series_order;
+      protocol.design.condition_order = one.condition_order;
+      const OrderAssignment assignment(protocol, seed);
+      REQUIRE(static_cast<int>(assignment.outer_list().size()) == one.series_orders);
+      REQUIRE(static_cast<int>(assignment.inner_list().size()) == one.condition_orders);
+      CHECK(assignment.group_size() == std::lcm(one.series_orders, one.condition_orders));
+      CHECK(assignment.pair_count() == one.series_orders * one.condition_orders);
+
+      // What participants really get, not where they stand in the lists.
+      std::map<std::pair<std::vector<int>, std::vector<int>>, int> pairs;
+      std::map<std::vector<int>, int> series, conditions;
+      for (int participant = 1; participant <= assignment.pair_count(); ++participant) {
+        const auto series_order = assignment.outer_order(participant);
+        const auto condition_order = assignment.inner_orders(participant, series_order).front();
+        CHECK(++pairs[{series_order, condition_order}] == 1);
+        ++series[series_order];
+        ++conditions[condition_order];
+        if (participant % assignment.group_size() != 0) continue;
+        REQUIRE(static_cast<int>(series.size()) == one.series_orders);
+        REQUIRE(static_cast<int>(conditions.size()) == one.condition_orders);
+        for (const auto& [order, count] : series) CHECK(count == participant / one.series_orders);
+        for (const auto& [order, count] : conditions) CHECK(count == participant / one.condition_orders);
+      }
+      CHECK(static_cast<int>(pairs.size()) == assignment.pair_count());
+    }
+  }
+}
+
+TEST_CASE("seeds shuffle the lists") {
+  Protocol protocol = small_protocol(3, 3, 4, Sampling::balanced);
+  protocol.design.series_order = Order::permuted;
+  protocol.design.condition_order = Order::williams;
+  std::map<std::vector<int>, int> first_series, first_conditions;
+  for (std::uint64_t seed = 0; seed < 600; ++seed) {
+    const OrderAssignment assignment(protocol, seed);
+    const auto series = assignment.outer_order(1);
+    ++first_series[series];
+    ++first_conditions[assignment.inner_orders(1, series).front()];
+  }
+  // Each of 6 orders 100 times, SD 9.1.
+  CHECK(first_series.size() == 6);
+  CHECK(first_conditions.size() == 6);
+  for (const auto& [order, count] : first_series) CHECK(std::abs(count - 100) < 46);
+  for (const auto& [order, count] : first_conditions) CHECK(std::abs(count - 100) < 46);
+}
+
+TEST_CASE("one condition order serves all series unless per_series") {
+  Protocol protocol = small_protocol(3, 3, 4, Sampling::balanced);
+  protocol.design.condition_order = Order::permuted;
+  protocol.design.series_order = Order::permuted;
+  for (int participant = 1; participant <= 40; ++participant) {
+    const Plan plan = make_plan(protocol, participant, 5);
+    CHECK(plan.condition_orders == std::vector<std::vector<int>>(3, plan.condition_orders.front()));
+  }
+  protocol.design.per_series = true;
+  const OrderAssignment assignment(protocol, 5);
+  for (int participant = 1; participant <= 40; ++participant) {
+    const Plan plan = make_plan(protocol, participant, 5);
+    const auto& list = assignment.inner_list();
+    for (std::size_t j = 0; j < 3; ++j) {
+      const auto place = static_cast<std::size_t>(assignment.inner_place(participant)) + j;
+      CHECK(plan.condition_orders[j] == list[place % list.size()]);
+    }
+  }
+}
+
+TEST_CASE("random orders are drawn anew for each participant, and for each series with per_series") {
+  Protocol protocol = small_protocol(3, 3, 4, Sampling::balanced);
+  protocol.design.series_order = protocol.design.condition_order = Order::random;
+  std::map<std::vector<int>, int> series, conditions;
+  int equal_within = 0;
+  for (int participant = 1; participant <= 600; ++participant) {
+    const Plan plan = make_plan(protocol, participant, 1);
+    ++series[plan.series_order];
+    ++conditions[plan.condition_orders.front()];
+    CHECK(plan.condition_orders[0] == plan.condition_orders[1]);
+    protocol.design.per_series = true;
+    const Plan varied = make_plan(protocol, participant, 1);
+    if (varied.condition_orders[0] == varied.condition_orders[1]) ++equal_within;
+    protocol.design.per_series = false;
+  }
+  CHECK(series.size() == 6);
+  CHECK(conditions.size() == 6);
+  for (const auto& [order, count] : series) CHECK(std::abs(count - 100) < 46);
+  for (const auto& [order, count] : conditions) CHECK(std::abs(count - 100) < 46);
+  CHECK(std::abs(equal_within - 100) < 46);
+}
 
 std::vector<Trial> main_trials(const Plan& plan) {
   std::vector<Trial> trials;
@@ -59,8 +214,6 @@ std::string digest(const Protocol& protocol, const Plan& plan) {
   }
   return sha256_hex(text);
 }
-
-}  // namespace
 
 TEST_CASE("plans never change: literal trials and digests") {
   // Computed with an independent Python model of Philox, the streams' names and the rules of this room's README.
@@ -256,3 +409,82 @@ TEST_CASE("participants are numbered from 1") {
   CHECK_THROWS_AS(make_plan(protocol, 0, 1), std::invalid_argument);
   CHECK_THROWS_AS(make_plan(protocol, -3, 1), std::invalid_argument);
 }
+
+int longest_run(const std::vector<bool>& sequence) {
+  int longest = 0, run = 0;
+  for (std::size_t i = 0; i < sequence.size(); ++i) {
+    run = i > 0 && sequence[i] == sequence[i - 1] ? run + 1 : 1;
+    longest = std::max(longest, run);
+  }
+  return longest;
+}
+
+// By listing all arrangements.
+std::vector<std::vector<bool>> all_limited(int same, int different, int limit) {
+  std::vector<bool> sequence(static_cast<std::size_t>(different), false);
+  sequence.insert(sequence.end(), static_cast<std::size_t>(same), true);
+  std::vector<std::vector<bool>> all;
+  do {
+    if (longest_run(sequence) <= limit) all.push_back(sequence);
+  } while (std::next_permutation(sequence.begin(), sequence.end()));
+  return all;
+}
+
+TEST_CASE("sequences are drawn wherever listing finds some, and are among those listed") {
+  for (int same = 0; same <= 6; ++same)
+    for (int different = 0; different <= 6; ++different)
+      for (int limit = 1; limit <= 7; ++limit) {
+        CAPTURE(same, different, limit);
+        const auto all = all_limited(same, different, limit);
+        RandomStream stream(7, 1, "test");
+        if (all.empty()) CHECK_THROWS_AS(draw_limited_sequence(same, different, limit, stream), std::invalid_argument);
+        for (int draw = 0; draw < 5 && !all.empty(); ++draw)
+          CHECK(std::count(all.begin(), all.end(), draw_limited_sequence(same, different, limit, stream)) == 1);
+      }
+}
+
+TEST_CASE("limited sequences are drawn uniformly among all that exist") {
+  struct Case {
+    int same, different, limit;
+  };
+  for (const Case one : {Case{4, 4, 2}, Case{4, 4, 3}, Case{3, 5, 2}, Case{4, 4, 8}, Case{6, 3, 2}, Case{5, 5, 1},
+                         Case{2, 6, 4}, Case{6, 6, 3}}) {
+    CAPTURE(one.same, one.different, one.limit);
+    const auto all = all_limited(one.same, one.different, one.limit);
+    const int each = 400;
+    std::map<std::vector<bool>, int> counts;
+    for (std::size_t draw = 0; draw < all.size() * each; ++draw) {
+      RandomStream stream(11, 1, "test", draw);
+      const auto sequence = draw_limited_sequence(one.same, one.different, one.limit, stream);
+      REQUIRE(longest_run(sequence) <= one.limit);
+      REQUIRE(std::count(sequence.begin(), sequence.end(), true) == one.same);
+      ++counts[sequence];
+    }
+    REQUIRE(counts.size() == all.size());
+    double chi_squared = 0;
+    for (const auto& [sequence, count] : counts) chi_squared += std::pow(count - each, 2) / each;
+    const double freedom = static_cast<double>(all.size()) - 1;
+    CHECK(std::abs(chi_squared - freedom) < 5 * std::sqrt(2 * freedom));
+  }
+}
+
+TEST_CASE("long blocks keep their limit") {
+  for (const int limit : {1, 2, 4, 10}) {
+    RandomStream stream(1, 1, "test");
+    const auto sequence = draw_limited_sequence(500, 500, limit, stream);
+    CHECK(sequence.size() == 1000);
+    CHECK(std::count(sequence.begin(), sequence.end(), true) == 500);
+    CHECK(longest_run(sequence) <= limit);
+  }
+}
+
+TEST_CASE("impossible run limits are refused") {
+  RandomStream stream(1, 1, "test");
+  CHECK_THROWS_AS(draw_limited_sequence(5, 1, 2, stream), std::invalid_argument);
+  CHECK_THROWS_AS(draw_limited_sequence(2, 2, 0, stream), std::invalid_argument);
+  CHECK_THROWS_AS(draw_limited_sequence(501, 500, 4, stream), std::invalid_argument);
+  CHECK_THROWS_AS(draw_limited_sequence(-1, 2, 4, stream), std::invalid_argument);
+  CHECK(draw_limited_sequence(0, 0, 3, stream).empty());
+}
+
+}  // namespace

@@ -1,13 +1,24 @@
-// What an interruption was, and what the protocol asks for after it: whatever the clocks say.
+// Names, files and interruptions at a session's opening.
 #include "runner/opening/resume_check.h"
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
 
 #include "devices/clock.h"
 #include "devices/machine/boot_id.h"
+#include "protocols/input/resources.h"
+#include "protocols/rigs/rig_description.h"
+#include "runner/opening/participant_names.h"
+#include "runner/opening/readiness_items.h"
+#include "runner/opening/rig_limits.h"
+#include "runner/terminal/exit_code.h"
 #include "tests/catch.h"
 
-using namespace jnd;
-
+namespace jnd {
 namespace {
+
+// What an interruption was, and what the protocol asks for after it: whatever the clocks say.
 
 constexpr std::int64_t kSecond = 1'000'000'000;
 constexpr std::int64_t kLastUtc = 1'790'000'000 * kSecond, kLastMonotonic = 5000 * kSecond;
@@ -45,8 +56,6 @@ ResumePolicy policy(std::optional<double> longest_s, std::optional<double> pract
   policy.redo_block = redo;
   return policy;
 }
-
-}  // namespace
 
 TEST_CASE("the cause is what the log and the machine's identity tell") {
   const ResumePolicy any;
@@ -201,3 +210,129 @@ TEST_CASE("the moment is this machine's") {
   // Suspended time is never negative; the two clocks were read one after the other.
   CHECK(now.since_boot_ns >= now.monotonic_ns);
 }
+
+// Which file a name means: a shipped one by its name, the user's own by a path.
+
+namespace fs = std::filesystem;
+
+// The working folder for as long as it lives, with files of the given names in it.
+class WorkingFolder {
+ public:
+  WorkingFolder() : before_(fs::current_path()) {
+    std::string name = (fs::temp_directory_path() / "jnd-names-XXXXXX").string();
+    path_ = mkdtemp(name.data());
+    fs::current_path(path_);
+  }
+  ~WorkingFolder() {
+    fs::current_path(before_);
+    fs::remove_all(path_);
+  }
+  WorkingFolder(const WorkingFolder&) = delete;
+  WorkingFolder& operator=(const WorkingFolder&) = delete;
+  static void put(const char* name, const std::string& text) { std::ofstream(name) << text; }
+
+ private:
+  fs::path before_, path_;
+};
+
+std::string shipped_rrs3() {
+  std::ifstream file(JND_SOURCE_DIR "/devices/specs/rrs3.json");
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+std::string refusal(Resource resource, const std::string& name) {
+  try {
+    find_resource(resource, name);
+  } catch (const std::exception& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST_CASE("a file in the working folder never takes the place of a shipped one") {
+  const WorkingFolder folder;
+  WorkingFolder::put("rrs3", "{}");
+  WorkingFolder::put("rrs3.json", "{}");
+  WorkingFolder::put("mine", "{}");
+  for (const Resource resource : {Resource::protocol, Resource::profile, Resource::device_spec, Resource::object})
+    for (const std::string& name : shipped_names(resource)) {
+      WorkingFolder::put(name.c_str(), "{}");
+      CHECK(find_resource(resource, name).is_absolute());
+    }
+  CHECK(find_resource(Resource::device_spec, "rrs3.json") == "rrs3.json");
+  CHECK(find_resource(Resource::device_spec, "./rrs3") == "./rrs3");
+  CHECK_THAT(refusal(Resource::device_spec, "mine"),
+             Catch::Contains("no device called 'mine' is shipped") && Catch::Contains("write ./mine"));
+  CHECK_THAT(refusal(Resource::protocol, "tutorial.json"),
+             Catch::Contains("there is no protocol file 'tutorial.json'") && Catch::Contains("tutorial"));
+}
+
+TEST_CASE("a description that is not the shipped one to the byte is called so, wherever it lies") {
+  const WorkingFolder folder;
+  WorkingFolder::put("same.json", shipped_rrs3());
+  const RigSpec same = load_rig_spec("same.json");
+  CHECK(is_shipped(same));
+  CHECK(check_description(same).verdict == Verdict::ok);
+  CHECK(check_description(same).found == "rrs3 at most 4.7 N, 2000 N/m");
+  CHECK(is_shipped(load_rig_spec(JND_SOURCE_DIR "/devices/specs/rrs3+mckibben.json")));
+
+  std::string weaker = shipped_rrs3();
+  weaker.replace(weaker.find("4.7"), 3, "3.0");
+  WorkingFolder::put("other.json", weaker);
+  const Check other = check_description(load_rig_spec("other.json"));
+  CHECK(other.verdict == Verdict::warn);
+  CHECK(other.found == "rrs3 at most 3 N, 2000 N/m; not the shipped rrs3");
+  CHECK_FALSE(other.what_to_do.empty());
+  weaker.replace(weaker.find("\"name\": \"rrs3\""), 14, "\"name\": \"mine\"");
+  WorkingFolder::put("mine.json", weaker);
+  CHECK(not_shipped_text(load_rig_spec("mine.json")) == "not a shipped device");
+}
+
+// Codes of people and numbers of the plan, where a command line may give either.
+
+SessionInfo session(const std::string& code, int number, bool replaced = false) {
+  SessionInfo info;
+  info.participant = code;
+  info.participant_number = number;
+  info.replaced = replaced;
+  return info;
+}
+
+TEST_CASE("a person is meant by the code, or by the number that jnd writes as a code") {
+  const std::vector<SessionInfo> study = {session("P01", 1), session("12", 2), session("4711", 3)};
+  CHECK(participant_meant("P01", study) == "P01");
+  CHECK(participant_meant("1", study) == "P01");
+  CHECK(participant_meant("01", study) == "P01");
+  CHECK(participant_meant("12", study) == "12");  // somebody is called so
+  CHECK(participant_meant("13", study) == "P13");
+  CHECK(participant_meant("4711", study) == "4711");
+  CHECK(participant_meant("4712", study) == "4712");  // a laboratory's own codes
+  CHECK(participant_meant("0", study) == "0");
+  CHECK(participant_meant("AB7", study) == "AB7");
+  CHECK(participant_meant("7", {}) == "P07");
+}
+
+TEST_CASE("a place in the plan is meant by its number, or by who has it") {
+  const std::vector<SessionInfo> study = {session("P07", 1), session("P02", 2), session("8", 3), session("9", 9)};
+  CHECK(plan_number_meant("7", {}) == 7);
+  CHECK(plan_number_meant("P07", {}) == 7);
+  CHECK(plan_number_meant("P07", study) == 1);
+  CHECK(plan_number_meant("7", study) == 7);
+  CHECK(plan_number_meant("9", study) == 9);
+  CHECK_THROWS_AS(plan_number_meant("8", study), UsageError);    // the code of number 3
+  CHECK_THROWS_AS(plan_number_meant("P05", study), UsageError);  // has no place yet
+  for (const char* wrong : {"0", "-1", "100001", "many", "P", "P0", "", "7x"})
+    CHECK_THROWS_AS(plan_number_meant(wrong, {}), UsageError);
+  const std::vector<SessionInfo> twice = {session("P01", 1), session("P01", 4)};
+  CHECK_THROWS_AS(plan_number_meant("P01", twice), UsageError);
+}
+
+TEST_CASE("a plan's heading says the code, and of a study who has the place") {
+  CHECK(participant_title(7, nullptr) == "participant P07");
+  const std::vector<SessionInfo> study = {session("P07", 1, true), session("Q1", 1)};
+  CHECK(participant_title(1, &study) == "participant Q1, number 1 of the plan");
+  CHECK(participant_title(5, &study) == "number 5 of the plan, which nobody has yet");
+}
+
+}  // namespace
+}  // namespace jnd

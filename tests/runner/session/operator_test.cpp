@@ -1,12 +1,22 @@
-// What the operator asks for in a session: pauses, repeats, answers taken back, notes, blocks given up, breaks, ends.
-// Each is in the log with its reason, and a replay agrees with the session.
+// The operator in a session: what can be asked for, and what is told of cues and time.
+#include <array>
+#include <optional>
 #include <set>
+#include <string>
+#include <vector>
 
+#include "protocols/course/duration.h"
+#include "runner/console/session_summary.h"
+#include "runner/session/session_engine.h"
 #include "tests/catch.h"
+#include "tests/runner/engine_fixture.h"
 #include "tests/runner/session/scripted_operator.h"
 
 namespace jnd {
 namespace {
+
+// What the operator asks for in a session: pauses, repeats, answers taken back, notes, blocks given up, breaks, ends.
+// Each is in the log with its reason, and a replay agrees with the session.
 
 using nlohmann::json;
 using test::Bench;
@@ -173,6 +183,192 @@ TEST_CASE("Progress is told by coded condition, and adds up") {
     CHECK(condition.done == 8);
     CHECK(condition.total == 8);
   }
+}
+
+// Cues to the participant: which come from the devices, and that they are the same whatever is presented.
+
+Protocol with_taps() {
+  return small_protocol(
+      {{"trial",
+        {{"cues", {{"first", {{"kind", "tap"}}}, {"second", {{"kind", "tap"}}}, {"question", {{"kind", "none"}}}}}}}});
+}
+
+TEST_CASE("A tap is presented by the devices before each interval, the same for every stimulus and condition") {
+  Bench bench(with_taps());
+  std::vector<PresentRequest> asked;
+  bench.rig.fault = [&](const PresentRequest& request) {
+    asked.push_back(request);
+    return Fault::none;
+  };
+  REQUIRE(bench.run() == SessionEnd::completed);
+  REQUIRE(asked.size() == 16 * 4);
+  for (std::size_t i = 0; i < asked.size(); ++i) {
+    const bool tap = i % 2 == 0;
+    CHECK((asked[i].tap_g > 0) == tap);
+    if (!tap) continue;
+    CHECK(asked[i].tap_g == asked[0].tap_g);
+    CHECK(asked[i].explore_s == asked[0].explore_s);
+    CHECK(asked[i].stimulus == Stimulus{});
+    CHECK(asked[i].object.empty());
+  }
+}
+
+TEST_CASE("A device that fails in a tap voids the attempt, and nothing is presented after it") {
+  Bench bench(with_taps());
+  int after_failure = 0;
+  bench.rig.fault = [&](const PresentRequest& request) {
+    const bool fails = request.id.trial == 2 && request.id.attempt == 1;
+    if (fails && request.tap_g == 0) ++after_failure;
+    return fails && request.tap_g > 0 ? Fault::device_lost : Fault::none;
+  };
+  REQUIRE(bench.run() == SessionEnd::completed);
+  CHECK(after_failure == 0);
+  CHECK(replay(bench.log.events()).voided.at(2) == 1);
+  CHECK(bench.completed().size() == 16);
+}
+
+// When what happened.
+class TimedView final : public SessionView {
+ public:
+  explicit TimedView(Clock& clock) : clock_(clock) {}
+  OperatorRequest ready(const TrialOutline&) override {
+    ready_ns = clock_.now_ns();
+    clock_.sleep_until_ns(ready_ns + 3'000'000'000);
+    return {};
+  }
+  void cue(CuePlace place, const CueSignal&) override { cues_ns[static_cast<std::size_t>(place)] = clock_.now_ns(); }
+  std::int64_t ready_ns = 0;
+  std::array<std::int64_t, 4> cues_ns{};
+
+ private:
+  Clock& clock_;
+};
+
+TEST_CASE("A rig gets ready before READY and at the beginning of the gap, and the cue waits for it, whatever comes") {
+  Bench bench(small_protocol());
+  bench.person = true;
+  TimedView view(bench.clock);
+  constexpr std::int64_t kReady_ns = 800'000'000;  // longer than gap_s and between_trials_s
+  std::optional<IntervalId> held;
+  std::int64_t due_ns = 0, ended_ns = 0;
+  int presented = 0;
+  bench.rig.ready = [&](const PresentRequest& request) {
+    if (held == request.id) return due_ns;  // it is ready, and stays so
+    CHECK_FALSE(held);
+    held = request.id;
+    if (request.id.interval == 1) CHECK(bench.clock.now_ns() == ended_ns);
+    due_ns = bench.clock.now_ns() + kReady_ns;
+    return due_ns;
+  };
+  bench.rig.fault = [&](const PresentRequest& request) {
+    const std::int64_t began_ns = bench.clock.now_ns() - 1'000'000'000;  // explore_s
+    REQUIRE(held == request.id);
+    held.reset();
+    ++presented;
+    if (request.id.interval == 0) {
+      CHECK(view.ready_ns >= due_ns);
+      CHECK(view.cues_ns[0] == began_ns);
+    } else {
+      CHECK(view.cues_ns[1] == due_ns);
+      CHECK(began_ns == due_ns);
+    }
+    ended_ns = bench.clock.now_ns();
+    return Fault::none;
+  };
+  REQUIRE(bench.run(view) == SessionEnd::completed);
+  CHECK(presented == 16 * 2);
+}
+
+// When the session will be over, as the operator is told before each step: with its breaks and questions, and the same
+// whatever the coming trials present.
+
+class TimesLeft final : public SessionView {
+ public:
+  void time_left(double left_s) override { left.push_back(left_s); }
+  std::vector<double> left;
+};
+
+Protocol protocol_of_study() {
+  return test::small_protocol({{"breaks", {{{"after", "block"}, {"duration_s", 60}}}},
+                               {"questions",
+                                {{{"id", "ease"},
+                                  {"when", "after-session"},
+                                  {"kind", "rating"},
+                                  {"text", "How easy was it?"},
+                                  {"min", 1},
+                                  {"max", 9},
+                                  {"low", "hard"},
+                                  {"high", "easy"}}}},
+                               {"design", {{"order", {{"series", "permuted"}, {"conditions", "permuted"}}}}}});
+}
+
+std::vector<double> times_left(const Protocol& protocol, int participant) {
+  test::Bench bench(protocol, participant);
+  bench.person = true;
+  TimesLeft view;
+  CHECK(bench.run(view) == SessionEnd::completed);
+  return view.left;
+}
+
+TEST_CASE("What is left of a session holds its trials, breaks and questions, and runs out with it") {
+  const Protocol protocol = protocol_of_study();
+  const std::vector<double> left = times_left(protocol, 1);
+  REQUIRE(left.size() == 16 + 3 + 1);  // trials, breaks, a page of questions
+  CHECK(left.front() == Approx(expected_duration_s(protocol)));
+  CHECK(left.front() == Approx(16 * expected_trial_s(protocol) + 3 * 60 + 10));
+  // At the participant's own pace: 2 x 1 s, a gap of 0.5 s, an answer after 1 s, 0.5 s between trials.
+  // Four trials as the protocol has them stand beside those that were.
+  const auto pace = [&](int trials) { return (trials * 4 + 4 * expected_trial_s(protocol)) / (trials + 4); };
+  CHECK(left[1] == Approx(15 * pace(1) + 3 * 60 + 10));
+  CHECK(left[4] == Approx(12 * pace(4) + 3 * 60 + 10));  // the break is due
+  CHECK(left[5] == Approx(12 * pace(4) + 2 * 60 + 10));
+  CHECK(left.back() == Approx(10));
+}
+
+TEST_CASE("What is left of a session does not depend on the conditions and stimuli that are to come") {
+  const Protocol protocol = protocol_of_study();
+  const std::vector<double> first = times_left(protocol, 1);
+  for (const int participant : {2, 3, 4}) CHECK(times_left(protocol, participant) == first);
+}
+
+TEST_CASE("A round of practice that comes again is in what is left from its first trial on") {
+  Protocol protocol = test::small_protocol(
+      {{"practice", {{"trials", 4}, {"series", "1"}, {"criterion_correct", 1}, {"max_rounds", 2}}}});
+  test::Bench bench(protocol);
+  bench.person = true;
+  bench.responder.rule = [](const TrialQuestion&) { return std::optional(kClassSame); };
+  TimesLeft view;
+  CHECK(bench.run(view) == SessionEnd::completed);
+  REQUIRE(view.left.size() == 4 + 4 + 1 + 16);  // rounds, the end of practice, trials
+  CHECK(view.left.front() == Approx(20 * expected_trial_s(protocol)));
+  // At the pace of the first round, beside four trials as the protocol has them.
+  CHECK(view.left[4] == Approx(20 * (4 * 4 + 4 * expected_trial_s(protocol)) / 8));
+  CHECK(view.left[7] < view.left[4]);
+}
+
+TEST_CASE("The last words of a session say what was done, where it is and what comes next") {
+  SessionSummary summary{
+      .study = "my study.sqlite", .trials_done = 12, .trials_total = 16, .trials_voided = 3, .run_s = 61};
+  CHECK(summary_text(summary) ==
+        "  trials    12 of 16, 3 voided\n"
+        "  this run  61 s\n"
+        "  saved in  my study.sqlite\n"
+        "  next      jnd status 'my study.sqlite'\n"
+        "            jnd verify 'my study.sqlite'\n"
+        "            jnd backup 'my study.sqlite' --to 'my study-copy.sqlite'");
+  summary.slowest_presenting_ms = 12.4;
+  summary.slowest_waiting_ms = 340.6;
+  CHECK(summary_text(summary).find(
+            "\n  rig       slowest answer 12 of 100 ms while it presented, 341 of 2000 ms while it waited\n") !=
+        std::string::npos);
+  summary.study = "Anna's.sqlite";
+  CHECK(summary_text(summary).find("jnd verify 'Anna'\\''s.sqlite'\n") != std::string::npos);
+  summary.resumable = true;
+  CHECK(summary_text(summary).find("next      the same command goes on with it\n            jnd status") !=
+        std::string::npos);
+  summary.moved = true;
+  CHECK(summary_text(summary).find("next      the same command with --study 'Anna'\\''s.sqlite' goes on with it\n") !=
+        std::string::npos);
 }
 
 }  // namespace
