@@ -241,11 +241,11 @@ class CalcHierarchical(program.Case):
         lines = ["participant,condition,delta,n,k"] + [
             f"P{p},C{c},{100 * i},100,{min(100, max(0, round(100 * rate) + (7 * p + 5 * c + 3 * i * p * c) % 13 - 6))}"
             for p in range(20) for c in range(12) for i, rate in enumerate(rates)]
-        found = self.json_of(lines)
+        found = self.json_of(lines, "--task", "same-different")
         self.assertEqual({*found["ci_status"], *(one["ci_status"] for one in found["mu_diff"])}, {"by_curvature"})
         for one in found["mu_diff"]:
             self.assertEqual(one["ci"][0] <= 0 <= one["ci"][1], one["p"] >= 0.05, one)
-        text = self.calc(lines).stdout
+        text = self.calc(lines, "--task", "same-different").stdout
         self.assertIn("interval by_curvature: the search for its ends takes too long", text)
 
     def test_few_people_get_a_caution(self):
