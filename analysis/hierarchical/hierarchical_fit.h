@@ -153,7 +153,7 @@ struct HierarchicalFit {
 // with rougher nodes, whose ln L errs by about 1e-4.
 enum class SearchEffort { thorough, drawn };
 
-// Of one command's model: about 2 s of processor time. Intervals beyond it are by_curvature.
+// Of one command's model: about 2 s of processor time. Intervals beyond it are by_curvature; variants may take as much.
 inline constexpr double kCommandWork = 1.3e9;
 
 // What complete() adds to a fit.

@@ -85,6 +85,8 @@ std::vector<ModelVariant> model_variants(std::span<const HierarchicalCell> cells
     sure = sure || cells[i].sure_positive > 0 || cells[i].sure_negative > 0;
   }
   std::vector<ModelVariant> variants;
+  // First, since it takes least and a caution rests on it.
+  ModelVariant lapse = variant_of(VariantKind::lapse, plain, model, SharedForm().with(SharedParameter::lapse), work);
   if (std::all_of(plain.begin(), plain.end(),
                   [](const HierarchicalCell& cell) { return whole(cell.positive) && whole(cell.negative); }))
     variants.push_back(variant_of(VariantKind::overdispersion, plain, model,
@@ -92,7 +94,7 @@ std::vector<ModelVariant> model_variants(std::span<const HierarchicalCell> cells
   variants.push_back(variant_of(
       VariantKind::drift, std::move(halves), model,
       SharedForm().with(SharedParameter::drift_ln_s).with(SharedParameter::drift_criterion, model.tw), work));
-  variants.push_back(variant_of(VariantKind::lapse, plain, model, SharedForm().with(SharedParameter::lapse), work));
+  variants.push_back(std::move(lapse));
   if (sure)
     variants.push_back(variant_of(VariantKind::sureness, std::move(graded), model,
                                   SharedForm().with(SharedParameter::sure_below).with(SharedParameter::sure_above),

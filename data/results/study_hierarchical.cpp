@@ -316,7 +316,7 @@ StudyHierarchical StudyFit::fitted(std::string separate, bool given_levels) {
   const auto people = static_cast<std::size_t>(model_.participants);
   if (has(SlopeStatus::ok) && !has(SlopeStatus::no_sensitivity, SlopeStatus::ceiling) && people >= kLeastInVariants &&
       people <= kMostInDetail)
-    add_variants(answered, of, {kCommandWork - of_fit, 3 * of_fit});
+    add_variants(answered, of, {2 * kCommandWork - fitted.work(), 3 * of_fit});
   if (standards_.size() > 1) return model_;
   model_.equal_lr = fit.lr;
   model_.equal_p = fit.p;
