@@ -432,6 +432,8 @@ Block variants_block(const Model& model) {
   std::vector<R> rows;
   for (const HierarchicalVariant& one : model.of.variants)
     for (const SharedEstimate& shared : one.shared) rows.push_back({&one, &shared});
+  if (std::any_of(rows.begin(), rows.end(), [](const R& r) { return r.shared->status == SharedStatus::out_of_work; }))
+    block.note += "; out_of_work: it takes too long here, jnd calc hierarchical estimates it";
   return std::move(block.with(fields, std::move(rows)));
 }
 
